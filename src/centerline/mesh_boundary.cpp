@@ -41,7 +41,7 @@ Boundary given_boundary(const MeshView& mesh) {
   for_each_patch_triangle(mesh, add);
   boundary.points.assign(mesh.points.begin(), mesh.points.end());
   if (boundary.triangles.empty() && !mesh.tetrahedra.empty()) {
-    TriangleMesh surface = extract_boundary(mesh);
+    TriangleMesh surface = extract_boundary(TetMesh::build(mesh));
     boundary.points = std::move(surface.points);
     boundary.triangles = std::move(surface.triangles);
     boundary.is_opening.assign(boundary.triangles.size(), 0);

@@ -10,23 +10,21 @@ struct PatchedTriangle {
   std::int32_t patch;
 };
 
-std::vector<PatchedTriangle> triangles_around(const TetMesh& mesh, std::optional<Label> label) {
+std::vector<PatchedTriangle> outer_triangles(const TetMesh& mesh) {
   return parallel::collect<PatchedTriangle>(
       mesh.tet_slots(), [&](std::size_t i, std::vector<PatchedTriangle>& out) {
         const TetId t(static_cast<std::uint32_t>(i));
-        if (!mesh.alive(t) || (label && mesh.label(t) != *label)) return;
-        for (int f = 0; f < 4; ++f) {
-          const FaceLink link = mesh.link(t, f);
-          if (link.is_boundary() || (label && mesh.label(link.tet()) != *label))
+        if (!mesh.alive(t)) return;
+        for (int f = 0; f < 4; ++f)
+          if (mesh.link(t, f).is_boundary())
             out.push_back({mesh.face_corners(t, f), static_cast<std::int32_t>(mesh.patch(t, f).value)});
-        }
       });
 }
 
 }  // namespace
 
-TriangleMesh extract_boundary(const TetMesh& mesh, std::optional<Label> label) {
-  const std::vector<PatchedTriangle> faces = triangles_around(mesh, label);
+TriangleMesh extract_boundary(const TetMesh& mesh) {
+  const std::vector<PatchedTriangle> faces = outer_triangles(mesh);
   std::vector<std::uint32_t> new_index(mesh.vertex_slots(), VertexId::kNone);
   for (const PatchedTriangle& face : faces)
     for (const std::uint32_t v : face.corners) new_index[v] = 0;
@@ -45,10 +43,6 @@ TriangleMesh extract_boundary(const TetMesh& mesh, std::optional<Label> label) {
     surface.patches[i] = faces[i].patch;
   });
   return surface;
-}
-
-TriangleMesh extract_boundary(const MeshView& view, std::optional<Label> label) {
-  return extract_boundary(TetMesh::build(view), label);
 }
 
 }  // namespace lumesh

@@ -10,7 +10,6 @@
 
 #include "fixtures/meshes.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/validate.hpp"
 
 namespace lumesh {

@@ -1,8 +1,7 @@
 #pragma once
-/// @file A surface of triangles, and the surfaces of volume meshes.
+/// @file A surface of triangles, and the outside of a mesh.
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "lumesh/mesh/mixed_mesh.hpp"
@@ -18,13 +17,8 @@ struct TriangleMesh {
   std::vector<std::uint32_t> volume_points;  ///< Index of each point in the mesh it came from; may be empty.
 };
 
-/// The closed surface of one label, pointing out of it; without a label, the outside of the whole mesh.
-/// Points keep the order they have in the mesh. An unknown label gives an empty surface. Parallel inside; the
-/// same for every thread count.
-[[nodiscard]] TriangleMesh extract_boundary(const TetMesh& mesh, std::optional<Label> label = std::nullopt);
-
-/// The same for any mesh of tetrahedra. Builds the adjacency first. @throws Error{kBadInput} as
-/// TetMesh::build().
-[[nodiscard]] TriangleMesh extract_boundary(const MeshView& view, std::optional<Label> label = std::nullopt);
+/// The outside of the mesh. Points keep the order they have in the mesh. Parallel inside; the same for every
+/// thread count.
+[[nodiscard]] TriangleMesh extract_boundary(const TetMesh& mesh);
 
 }  // namespace lumesh

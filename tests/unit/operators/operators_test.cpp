@@ -8,9 +8,9 @@
 #include <set>
 #include <tuple>
 
+#include "fixtures/mesh_walks.hpp"
 #include "fixtures/metric_cubes.hpp"
 #include "fixtures/random_operator.hpp"
-#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/metric/measures.hpp"
 
@@ -219,7 +219,7 @@ TEST(RemoveEdge, BettersTheWorstQualityAround) {
     const VertexId a = mesh.vertex(t, 0), b = mesh.vertex(t, 1);
     std::set<std::uint32_t> corners;
     float worst_before = 1;
-    for_each_tet_around_edge(mesh, t, a, b, [&](TetId x) {
+    fixtures::for_each_tet_around_edge(mesh, t, a, b, [&](TetId x) {
       worst_before = std::min(worst_before, mesh.quality(x));
       corners.insert(mesh.tet(x).begin(), mesh.tet(x).end());
     });
@@ -228,7 +228,7 @@ TEST(RemoveEdge, BettersTheWorstQualityAround) {
     ++applied;
     float worst_after = 1;
     for (const VertexId end : {a, b}) {
-      for_each_tet_around(mesh, end, [&](TetId x) {
+      fixtures::for_each_tet_around(mesh, end, [&](TetId x) {
         const Cell<4>& v = mesh.tet(x);
         EXPECT_FALSE(mesh.index_of(x, a) >= 0 && mesh.index_of(x, b) >= 0);
         if (std::all_of(v.begin(), v.end(), [&](std::uint32_t w) { return corners.contains(w); }))
@@ -276,7 +276,7 @@ TEST(Reconnect, IsNotWorthAnotherTrialUntilSomethingChangesAround) {
   bench.kernel.begin_run({}, 6, 3);
   // Splits at the far end of its vertices' stars: no neighbour over a face, but a tetrahedron of a ring.
   bool split = false;
-  for_each_tet_around(mesh, mesh.vertex(unchanged, 0), [&](TetId x) {
+  fixtures::for_each_tet_around(mesh, mesh.vertex(unchanged, 0), [&](TetId x) {
     for (const auto& [i, j] : kTetEdges)
       if (!split && mesh.alive(x) && mesh.index_of(unchanged, mesh.vertex(x, i)) < 0)
         split = bench.kernel.apply(EdgeSplit{0.5, {.min_length = 0.1}}, {x, i, j}) == Outcome::kApplied;

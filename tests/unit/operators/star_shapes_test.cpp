@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "fixtures/mesh_walks.hpp"
 #include "fixtures/metric_cubes.hpp"
-#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/metric_field.hpp"
 
@@ -37,7 +37,7 @@ TEST(StarShapes, DerivativesAreThoseOfFiniteDifferences) {
     const VertexId v(i);
     if (mesh.dimension(v) != VertexDimension::kVolume) continue;
     std::vector<TetId> tets;
-    for_each_tet_around(mesh, v, [&](TetId t) { tets.push_back(t); });
+    fixtures::for_each_tet_around(mesh, v, [&](TetId t) { tets.push_back(t); });
     const Vec3 x = mesh.point(v) + Vec3(0.02, -0.03, 0.01);
     const double size = 1 / std::sqrt(mesh.metric(v).trace()), h = 1e-4 * size;
     shapes.gather(mesh, v, tets);
