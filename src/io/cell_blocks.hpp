@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "lumesh/mesh/mixed_mesh.hpp"
 
@@ -19,6 +20,10 @@ enum class CellShape : std::uint8_t {
   kPyramid = 14,
 };
 
+/// Prisms of Gmsh and Medit have the opposite sense of VTK's: corner i of theirs is corner order[i] of VTK's,
+/// and the other way round.
+inline constexpr std::array<std::size_t, 6> kPrismOrder = {0, 2, 1, 3, 5, 4};
+
 /// Cells of one shape, corner after corner.
 struct CellBlock {
   CellShape shape = CellShape::kTetrahedron;
@@ -30,7 +35,42 @@ struct CellBlock {
   [[nodiscard]] std::span<const std::uint32_t> cell(std::size_t i) const {
     return vertices.subspan(i * corners, corners);
   }
+  /// A corner of a cell in the order of Gmsh and Medit.
+  [[nodiscard]] std::uint32_t corner_of_gmsh(std::size_t i, std::size_t corner) const {
+    return cell(i)[shape == CellShape::kPrism ? kPrismOrder[corner] : corner];
+  }
 };
+
+/// What Gmsh and Medit call the cells of a shape.
+struct ShapeNames {
+  CellShape shape;
+  std::size_t corners;
+  std::int64_t gmsh_type;
+  std::string_view medit_keyword;
+  std::int32_t medit_number;  ///< Keyword of binary files.
+};
+
+inline constexpr std::array<ShapeNames, 6> kShapeNames = {{
+    {CellShape::kTriangle, 3, 2, "Triangles", 6},
+    {CellShape::kQuadrilateral, 4, 3, "Quadrilaterals", 7},
+    {CellShape::kTetrahedron, 4, 4, "Tetrahedra", 8},
+    {CellShape::kHexahedron, 8, 5, "Hexahedra", 10},
+    {CellShape::kPrism, 6, 6, "Prisms", 9},
+    {CellShape::kPyramid, 5, 7, "Pyramids", 49},
+}};
+
+/// The row with this shape, type or keyword, as in find_shape(&ShapeNames::gmsh_type, 4); nullptr if none has
+/// it.
+template <class Value>
+const ShapeNames* find_shape(Value ShapeNames::*member, Value value) {
+  for (const ShapeNames& names : kShapeNames)
+    if (names.*member == value) return &names;
+  return nullptr;
+}
+
+[[nodiscard]] inline const ShapeNames& names_of(CellShape shape) {
+  return *find_shape(&ShapeNames::shape, shape);
+}
 
 template <std::size_t N>
 CellBlock make_block(CellShape shape, std::span<const Cell<N>> cells, std::span<const std::int32_t> tags) {
@@ -52,6 +92,11 @@ inline std::array<CellBlock, 2> face_blocks(const MeshView& mesh) {
   return {make_block<3>(CellShape::kTriangle, mesh.triangles, mesh.triangle_patches),
           make_block<4>(CellShape::kQuadrilateral, mesh.quadrilaterals, mesh.quadrilateral_patches)};
 }
+
+/// Arrays in which files of VTK keep the faces and patches of face_blocks().
+inline constexpr std::array<const char*, 2> kFaceArrays = {"lumesh_triangles", "lumesh_quadrilaterals"};
+inline constexpr std::array<const char*, 2> kFacePatchArrays = {"lumesh_triangle_patches",
+                                                                "lumesh_quadrilateral_patches"};
 
 /// Calls `visit` with the cells of a shape, by VTK's number, and their labels or patches:
 /// visit(std::vector<Cell<N>>&, std::vector<std::int32_t>&).
@@ -85,9 +130,5 @@ bool visit_cells(MixedMesh& mesh, std::int64_t vtk_type, Visit&& visit) {
   return vtk_type == static_cast<int>(CellShape::kTriangle) ||
          vtk_type == static_cast<int>(CellShape::kQuadrilateral);
 }
-
-/// Prisms of Gmsh and Medit have the opposite sense of VTK's: corner i of theirs is corner order[i] of VTK's,
-/// and the other way round.
-inline constexpr std::array<std::size_t, 6> kPrismOrder = {0, 2, 1, 3, 5, 4};
 
 }  // namespace lumesh::io

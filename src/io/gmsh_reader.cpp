@@ -25,26 +25,11 @@ struct ElementType {
 };
 
 ElementType element_type(std::int64_t number) {
-  switch (number) {
-    case 1:
-      return {2};
-    case 2:
-      return {3, true, CellShape::kTriangle};
-    case 3:
-      return {4, true, CellShape::kQuadrilateral};
-    case 4:
-      return {4, true, CellShape::kTetrahedron};
-    case 5:
-      return {8, true, CellShape::kHexahedron};
-    case 6:
-      return {6, true, CellShape::kPrism};
-    case 7:
-      return {5, true, CellShape::kPyramid};
-    case 15:
-      return {1};
-    default:
-      return {};
-  }
+  constexpr std::int64_t kLine = 1, kPoint = 15;
+  if (number == kLine) return {2};
+  if (number == kPoint) return {1};
+  const ShapeNames* const names = find_shape(&ShapeNames::gmsh_type, number);
+  return names == nullptr ? ElementType() : ElementType{names->corners, true, names->shape};
 }
 
 /// Physical tags of entities carry the sign of their orientation. Those of 64 bits fail later.

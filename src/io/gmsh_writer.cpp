@@ -16,24 +16,6 @@ namespace lumesh::io {
 
 namespace {
 
-int gmsh_type(CellShape shape) {
-  switch (shape) {
-    case CellShape::kTriangle:
-      return 2;
-    case CellShape::kQuadrilateral:
-      return 3;
-    case CellShape::kTetrahedron:
-      return 4;
-    case CellShape::kHexahedron:
-      return 5;
-    case CellShape::kPrism:
-      return 6;
-    case CellShape::kPyramid:
-      return 7;
-  }
-  return 0;
-}
-
 using Boxes = std::map<std::int32_t, Box3>;
 
 /// The boxes of the cells of each tag; every tag that occurs is in the result.
@@ -172,9 +154,8 @@ class GmshWriter {
   }
 
   void print_corners(const CellBlock& block, std::size_t i) {
-    const auto cell = block.cell(i);
-    for (std::size_t k = 0; k < cell.size(); ++k)
-      file_.print(" {}", std::uint64_t{cell[block.shape == CellShape::kPrism ? kPrismOrder[k] : k]} + 1);
+    for (std::size_t k = 0; k < block.corners; ++k)
+      file_.print(" {}", std::uint64_t{block.corner_of_gmsh(i, k)} + 1);
     file_.print("\n");
   }
 
@@ -195,7 +176,7 @@ class GmshWriter {
                   std::size_t& number) {
     const auto count = std::count(block.tags.begin(), block.tags.end(), tag);
     if (count == 0) return;
-    file_.print("{} {} {} {}\n", dimension, entity, gmsh_type(block.shape), count);
+    file_.print("{} {} {} {}\n", dimension, entity, names_of(block.shape).gmsh_type, count);
     for (std::size_t i = 0; i < block.size(); ++i) {
       if (block.tags[i] != tag) continue;
       file_.print("{}", ++number);
@@ -223,7 +204,7 @@ class GmshWriter {
     const auto print_block = [&](const CellBlock& block, std::int32_t offset) {
       for (std::size_t i = 0; i < block.size(); ++i) {
         const std::int32_t tag = block.tags[i] + offset;
-        file_.print("{} {} 2 {} {}", ++number, gmsh_type(block.shape), tag, tag);
+        file_.print("{} {} 2 {} {}", ++number, names_of(block.shape).gmsh_type, tag, tag);
         print_corners(block, i);
       }
     };

@@ -13,6 +13,7 @@
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/image/grey_values.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -162,17 +163,10 @@ LabelImage label_range(std::span<const Voxel> voxels, const ImageFrame& frame, c
                        const fs::path& path) {
   const ObjectValues object = as_stored<Voxel>(wanted);
   LabelImage image(frame, {kBackground, 1});
-  const std::size_t inside = parallel::reduce_blocks(
-      voxels.size(), kVoxelsPerBlock, std::size_t{0},
-      [&](std::size_t begin, std::size_t end) {
-        std::size_t count = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-          image.voxels()[i] = object.contain(static_cast<double>(voxels[i])) ? 1 : 0;
-          count += image.voxels()[i];
-        }
-        return count;
-      },
-      [](std::size_t a, std::size_t b) { return a + b; });
+  const auto inside = parallel::sum<std::size_t>(voxels.size(), kVoxelsPerBlock, [&](std::size_t i) {
+    image.voxels()[i] = object.contain(static_cast<double>(voxels[i])) ? 1 : 0;
+    return image.voxels()[i];
+  });
   if (inside == 0) fail(path, nothing_found(wanted, grey_values(voxels)));
   return image;
 }

@@ -8,6 +8,7 @@
 #include "file_fault.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -37,23 +38,18 @@ class LabelSum {
     const auto index = static_cast<LabelImage::Index>(
         std::lower_bound(image_.values().begin() + 1, image_.values().end(), label) -
         image_.values().begin());
-    return parallel::reduce_blocks(
-        total_.size(), kSourceVoxelsPerBlock, std::size_t{0},
-        [&](std::size_t begin, std::size_t end) {
-          std::size_t shared = 0;
-          for (std::size_t v = begin; v < end; ++v) {
-            const float likelihood = likelihood_at(v);
-            if (!(likelihood > 0)) continue;
-            const bool is_taken = most_[v] >= kHalf;
-            shared += is_taken && likelihood >= kHalf ? 1 : 0;
-            total_[v] += likelihood;
-            if (is_taken || likelihood <= most_[v]) continue;
-            most_[v] = likelihood;
-            image_.voxels()[v] = index;
-          }
-          return shared;
-        },
-        [](std::size_t a, std::size_t b) { return a + b; });
+    return parallel::sum<std::size_t>(total_.size(), kSourceVoxelsPerBlock, [&](std::size_t v) {
+      const float likelihood = likelihood_at(v);
+      if (!(likelihood > 0)) return 0;
+      const bool is_taken = most_[v] >= kHalf;
+      total_[v] += likelihood;
+      if (is_taken) return likelihood >= kHalf ? 1 : 0;
+      if (likelihood > most_[v]) {
+        most_[v] = likelihood;
+        image_.voxels()[v] = index;
+      }
+      return 0;
+    });
   }
 
   /// With crossings where no mask stands at the boundary.

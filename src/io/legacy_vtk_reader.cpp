@@ -11,6 +11,8 @@
 
 #include "cell_blocks.hpp"
 #include "file_fault.hpp"
+#include "lumesh/core/parse_number.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "metric_tensors.hpp"
@@ -90,12 +92,11 @@ class LegacyReader {
   }
   std::size_t next_count() {
     const std::string word = next();
-    std::size_t value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || value > content_.size())
+    const std::optional<std::size_t> value = parse_number<std::size_t>(word);
+    if (!value || *value > content_.size())
       fail(fmt::format("'{}' stands where a count belongs; the file is cut off or damaged",
                        word.substr(0, 20)));
-    return value;
+    return *value;
   }
 
   void read_header() {
@@ -125,7 +126,7 @@ class LegacyReader {
 
   /// `count` numbers of a type, as doubles (exact for the integers that occur).
   std::vector<double> numbers(std::string type, std::size_t count) {
-    for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    type = lower_case(std::move(type));
     const std::size_t size = bytes_of(type);
     if (size == 0) fail(fmt::format("holds an array of the unknown type {}", type.substr(0, 20)));
     if (count > content_.size()) fail("is cut off");
@@ -341,10 +342,9 @@ class LegacyReader {
   }
 
   template <std::size_t N>
-  void restore(const char* name, const char* patch_name, std::vector<Cell<N>>& faces,
-               std::vector<std::int32_t>& patches) {
-    const auto corners = arrays_.find(name);
-    const auto tags = arrays_.find(patch_name);
+  void restore(std::size_t block, std::vector<Cell<N>>& faces, std::vector<std::int32_t>& patches) {
+    const auto corners = arrays_.find(kFaceArrays[block]);
+    const auto tags = arrays_.find(kFacePatchArrays[block]);
     if (corners == arrays_.end() || tags == arrays_.end()) return;
     if (corners->second.size() != N * tags->second.size()) fail("its boundary faces are damaged");
     for (std::size_t f = 0; f < tags->second.size(); ++f) {
@@ -368,9 +368,8 @@ class LegacyReader {
 
   void restore_faces() {
     if (!restore_info()) return;
-    restore("lumesh_triangles", "lumesh_triangle_patches", mesh_.triangles, mesh_.triangle_patches);
-    restore("lumesh_quadrilaterals", "lumesh_quadrilateral_patches", mesh_.quadrilaterals,
-            mesh_.quadrilateral_patches);
+    restore(0, mesh_.triangles, mesh_.triangle_patches);
+    restore(1, mesh_.quadrilaterals, mesh_.quadrilateral_patches);
   }
 
   const std::filesystem::path& path_;

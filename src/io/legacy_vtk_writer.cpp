@@ -38,14 +38,11 @@ void write_field_data(OutputFile& file, BigEndianWriter& out, const MeshView& me
   file.print("FIELD FieldData {}\nlumesh_info 1 {} char\n", arrays, info.size());
   file.write(info);
   file.print("\n");
-  constexpr std::array<const char*, 2> kNames = {"lumesh_triangles", "lumesh_quadrilaterals"};
-  constexpr std::array<const char*, 2> kPatchNames = {"lumesh_triangle_patches",
-                                                      "lumesh_quadrilateral_patches"};
   for (std::size_t b = 0; b < 2; ++b) {
     if (blocks[b].size() == 0) continue;
-    file.print("{} {} {} int\n", kNames[b], blocks[b].corners, blocks[b].size());
+    file.print("{} {} {} int\n", kFaceArrays[b], blocks[b].corners, blocks[b].size());
     for (const std::uint32_t v : blocks[b].vertices) out.put(static_cast<std::int32_t>(v));
-    file.print("\n{} 1 {} int\n", kPatchNames[b], blocks[b].size());
+    file.print("\n{} 1 {} int\n", kFacePatchArrays[b], blocks[b].size());
     for (const std::int32_t p : blocks[b].tags) out.put(p);
     file.print("\n");
   }

@@ -15,26 +15,7 @@ namespace lumesh::io {
 
 namespace {
 
-struct Section {
-  std::string_view keyword;
-  CellShape shape;
-  std::size_t corners;
-};
-
-constexpr std::array<Section, 6> kSections = {{{"Triangles", CellShape::kTriangle, 3},
-                                               {"Quadrilaterals", CellShape::kQuadrilateral, 4},
-                                               {"Tetrahedra", CellShape::kTetrahedron, 4},
-                                               {"Pyramids", CellShape::kPyramid, 5},
-                                               {"Prisms", CellShape::kPrism, 6},
-                                               {"Hexahedra", CellShape::kHexahedron, 8}}};
-
 constexpr std::string_view kInfoMark = "# lumesh_info ";
-
-std::string_view keyword_of(CellShape shape) {
-  for (const Section& section : kSections)
-    if (section.shape == shape) return section.keyword;
-  return {};
-}
 
 /// In short lines: some readers take lines of at most 255 characters.
 void write_info(OutputFile& file, const MeshInfo& info) {
@@ -59,11 +40,10 @@ MeshInfo read_info(std::string_view text) {
 
 void write_block(OutputFile& file, const CellBlock& block, std::int32_t tag_offset) {
   if (block.size() == 0) return;
-  file.print("{}\n{}\n", keyword_of(block.shape), block.size());
+  file.print("{}\n{}\n", names_of(block.shape).medit_keyword, block.size());
   for (std::size_t i = 0; i < block.size(); ++i) {
-    const auto cell = block.cell(i);
-    for (std::size_t k = 0; k < cell.size(); ++k)
-      file.print("{} ", std::uint64_t{cell[block.shape == CellShape::kPrism ? kPrismOrder[k] : k]} + 1);
+    for (std::size_t k = 0; k < block.corners; ++k)
+      file.print("{} ", std::uint64_t{block.corner_of_gmsh(i, k)} + 1);
     file.print("{}\n", std::int64_t{block.tags[i]} + tag_offset);
   }
 }
@@ -79,7 +59,7 @@ void read_vertices(TextScanner& scanner, MeshBuilder& builder) {
   }
 }
 
-void read_cells(TextScanner& scanner, const Section& section, MeshBuilder& builder) {
+void read_cells(TextScanner& scanner, const ShapeNames& section, MeshBuilder& builder) {
   const std::size_t count = scanner.count("the number of cells", section.corners + 1);
   std::array<std::int64_t, 8> corners{};
   for (std::size_t i = 0; i < count; ++i) {
@@ -101,12 +81,6 @@ void skip_section(TextScanner& scanner, std::string_view keyword) {
                              word[0] == '+' || word[0] == '.');
   };
   while (is_number(scanner.peek())) scanner.word();
-}
-
-const Section* find_section(std::string_view keyword) {
-  for (const Section& section : kSections)
-    if (section.keyword == keyword) return &section;
-  return nullptr;
 }
 
 }  // namespace
@@ -134,7 +108,7 @@ MixedMesh read_medit_ascii(const std::filesystem::path& path) {
       if (scanner.integer("the dimension") != 3) scanner.fail("only meshes of dimension 3 can be read");
     } else if (keyword == "Vertices") {
       read_vertices(scanner, builder);
-    } else if (const Section* section = find_section(keyword)) {
+    } else if (const ShapeNames* section = find_shape(&ShapeNames::medit_keyword, keyword)) {
       read_cells(scanner, *section, builder);
     } else {
       skip_section(scanner, keyword);

@@ -15,25 +15,6 @@ namespace {
 
 constexpr std::int32_t kVertices = 4;
 
-struct BinarySection {
-  std::int32_t keyword;
-  CellShape shape;
-  std::size_t corners;
-};
-
-constexpr std::array<BinarySection, 6> kBinarySections = {{{6, CellShape::kTriangle, 3},
-                                                           {7, CellShape::kQuadrilateral, 4},
-                                                           {8, CellShape::kTetrahedron, 4},
-                                                           {49, CellShape::kPyramid, 5},
-                                                           {9, CellShape::kPrism, 6},
-                                                           {10, CellShape::kHexahedron, 8}}};
-
-std::int32_t keyword_number_of(CellShape shape) {
-  for (const BinarySection& section : kBinarySections)
-    if (section.shape == shape) return section.keyword;
-  return 0;
-}
-
 constexpr std::size_t kVertexBytes = 3 * sizeof(double) + sizeof(std::int32_t);
 
 /// Bytes of the whole file, generously; fails if a number does not fit.
@@ -52,16 +33,15 @@ std::size_t checked_size(const std::filesystem::path& path, const MeshView& mesh
 
 void write_block(MeditByteWriter& out, const CellBlock& block, std::int32_t tag_offset) {
   if (block.size() == 0) return;
-  out.begin_section(keyword_number_of(block.shape),
+  out.begin_section(names_of(block.shape).medit_number,
                     (1 + block.size() * (block.corners + 1)) * sizeof(std::int32_t));
   out.put(static_cast<std::int32_t>(block.size()));
   std::array<std::int32_t, 9> row{};
   for (std::size_t i = 0; i < block.size(); ++i) {
-    const auto cell = block.cell(i);
-    for (std::size_t k = 0; k < cell.size(); ++k)
-      row[k] = static_cast<std::int32_t>(cell[block.shape == CellShape::kPrism ? kPrismOrder[k] : k] + 1);
-    row[cell.size()] = block.tags[i] + tag_offset;
-    out.write(row.data(), (cell.size() + 1) * sizeof(std::int32_t));
+    for (std::size_t k = 0; k < block.corners; ++k)
+      row[k] = static_cast<std::int32_t>(block.corner_of_gmsh(i, k) + 1);
+    row[block.corners] = block.tags[i] + tag_offset;
+    out.write(row.data(), (block.corners + 1) * sizeof(std::int32_t));
   }
 }
 
@@ -73,9 +53,8 @@ class BinaryReader {
     for (auto keyword = bytes_.enter_section(); keyword != kMeditEnd; keyword = bytes_.enter_section()) {
       if (keyword == kVertices) {
         read_vertices();
-      } else {
-        for (const BinarySection& section : kBinarySections)
-          if (section.keyword == keyword) read_cells(section);
+      } else if (const ShapeNames* section = find_shape(&ShapeNames::medit_number, keyword)) {
+        read_cells(*section);
       }
       bytes_.leave_section();
     }
@@ -93,7 +72,7 @@ class BinaryReader {
     }
   }
 
-  void read_cells(const BinarySection& section) {
+  void read_cells(const ShapeNames& section) {
     const std::size_t count = bytes_.count((section.corners + 1) * bytes_.integer_bytes());
     std::array<std::int64_t, 8> corners{};
     for (std::size_t i = 0; i < count; ++i) {

@@ -8,6 +8,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "mesh_formats.hpp"
 #include "part_names.hpp"
@@ -29,9 +30,7 @@ void MeshWriteOptions::describe(OptionList& list) {
 std::string io::lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   if (extension == ".gz") extension = path.stem().extension().string() + extension;
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension;
+  return lower_case(std::move(extension));
 }
 
 namespace {
@@ -46,6 +45,7 @@ struct MeshFormat {
   unsigned uses;               // Bits of MeshUse.
   MixedMesh (*read)(const Path& path);
   void (*write)(const Path& path, const MeshView& mesh, const MeshWriteOptions& options);
+  std::string_view parts = {};  // What is named in it, such as solids, by any text; patches have words.
 };
 
 template <class... Uses>
@@ -80,9 +80,9 @@ constexpr auto kFormats = std::to_array<MeshFormat>({
     {kFolder, "a folder NAME-mesh-complete for SimVascular", kTetrahedraOut, nullptr,
      write_plainly<io::write_simvascular>},
     {".vtp", ".vtp", kSurface, io::read_vtp_surface, io::write_vtp_surface},
-    {".stl", ".stl", kSurface, io::read_stl, write_plainly<io::write_stl>},
-    {".stl.gz", "", bits(kRead), io::read_stl, nullptr},
-    {".obj", ".obj", bits(kRead), io::read_obj, nullptr},
+    {".stl", ".stl", kSurface, io::read_stl, write_plainly<io::write_stl>, "solid"},
+    {".stl.gz", "", bits(kRead), io::read_stl, nullptr, "solid"},
+    {".obj", ".obj", bits(kRead), io::read_obj, nullptr, "group"},
     {".off", ".off", kSurface, io::read_off, write_plainly<io::write_off>},
     {".sol", ".sol", bits(kMetricAlone), nullptr, nullptr},
     {".solb", ".solb", bits(kMetricAlone), nullptr, nullptr},
@@ -128,21 +128,21 @@ void write_surface(const Path& path, const MeshView& mesh, const MeshWriteOption
 }
 
 MixedMesh read_mesh(const Path& path) {
-  return read_surface_file(path, "").mesh;
+  return read_surface_file(path, "", Context());
 }
 
-SurfaceFile read_surface_file(const Path& path, const std::string& patch_array) {
+MixedMesh read_surface_file(const Path& path, const std::string& patch_array, const Context& context) {
   io::check_file(path);
   const MeshFormat& format = known_format_of(path, kRead);
   if (!patch_array.empty() && format.read != io::read_vtp_surface)
     io::fail(path, "has no arrays of cells; `patch_array` is for .vtp");
-  SurfaceFile file{patch_array.empty() ? format.read(path) : io::read_vtp_surface_by(path, patch_array), {}};
-  MixedMesh& mesh = file.mesh;
+  MixedMesh mesh = patch_array.empty() ? format.read(path) : io::read_vtp_surface_by(path, patch_array);
   for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
   for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));
-  if (format.read == io::read_stl) file.renamed = io::name_patches_by_words(mesh.info.patches, "solid");
-  if (format.read == io::read_obj) file.renamed = io::name_patches_by_words(mesh.info.patches, "group");
-  return file;
+  if (format.parts.empty()) return mesh;
+  const std::string renamed = io::name_patches_by_words(mesh.info.patches, format.parts);
+  if (!renamed.empty()) context.warn(path.string() + ": " + renamed);
+  return mesh;
 }
 
 bool is_mesh_folder(const Path& path) {

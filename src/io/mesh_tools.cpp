@@ -1,12 +1,11 @@
 #include <algorithm>
-#include <functional>
 #include <tuple>
 
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/patch_naming.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 
@@ -22,14 +21,8 @@ struct LabelFace {
 
 std::size_t count_inverted_cells(const MeshView& mesh) {
   const AllCells cells(mesh);
-  return parallel::reduce_blocks(
-      cells.size(), 4096, std::size_t{0},
-      [&](std::size_t begin, std::size_t end) {
-        std::size_t n = 0;
-        for (std::size_t i = begin; i < end; ++i) n += cells.has_turned_corner(i) ? 1 : 0;
-        return n;
-      },
-      std::plus<>());
+  return parallel::sum<std::size_t>(cells.size(), 4096,
+                                    [&](std::size_t i) { return cells.has_turned_corner(i) ? 1 : 0; });
 }
 
 void extract_boundary(MixedMesh& mesh) {

@@ -5,16 +5,18 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "file_fault.hpp"
+#include "lumesh/core/parse_number.hpp"
 #include "lumesh/core/trimmed.hpp"
+#include "mesh_formats.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -84,11 +86,9 @@ class MetaHeader {
   [[nodiscard]] std::int64_t integer(const char* key, std::int64_t otherwise) const {
     const std::string value = text({key});
     if (value.empty()) return otherwise;
-    std::int64_t number = 0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (error != std::errc() || end != value.data() + value.size())
-      fail(path_, fmt::format("its {} is no whole number; correct the header", key));
-    return number;
+    const std::optional<std::int64_t> number = parse_number<std::int64_t>(value);
+    if (!number) fail(path_, fmt::format("its {} is no whole number; correct the header", key));
+    return *number;
   }
 
  private:
@@ -165,15 +165,17 @@ std::size_t inflate_all(std::ifstream& in, std::byte* out, std::size_t bytes) {
   std::vector<char> chunk(kChunk);
   z_stream stream = {};
   if (inflateInit2(&stream, kAnyHeader) != Z_OK) return 0;
-  std::size_t done = 0;
-  int code = Z_OK;
-  while (code == Z_OK && done < bytes) {
+  const auto has_input = [&] {
     if (stream.avail_in == 0) {
       in.read(chunk.data(), kChunk);
       stream.next_in = reinterpret_cast<Bytef*>(chunk.data());
       stream.avail_in = static_cast<uInt>(in.gcount());
-      if (stream.avail_in == 0) break;
     }
+    return stream.avail_in > 0;
+  };
+  std::size_t done = 0;
+  int code = Z_OK;
+  while (code == Z_OK && done < bytes && has_input()) {
     const std::size_t room = std::min<std::size_t>(bytes - done, std::size_t{1} << 30);
     stream.next_out = reinterpret_cast<Bytef*>(out + done);
     stream.avail_out = static_cast<uInt>(room);
@@ -182,13 +184,7 @@ std::size_t inflate_all(std::ifstream& in, std::byte* out, std::size_t bytes) {
   }
   // The checksum stands behind the last byte.
   std::byte beyond{};
-  while (code == Z_OK && done == bytes && (stream.avail_in > 0 || in)) {
-    if (stream.avail_in == 0) {
-      in.read(chunk.data(), kChunk);
-      stream.next_in = reinterpret_cast<Bytef*>(chunk.data());
-      stream.avail_in = static_cast<uInt>(in.gcount());
-      if (stream.avail_in == 0) break;
-    }
+  while (code == Z_OK && done == bytes && has_input()) {
     stream.next_out = reinterpret_cast<Bytef*>(&beyond);
     stream.avail_out = 1;
     code = inflate(&stream, Z_NO_FLUSH);
@@ -238,9 +234,7 @@ std::uintmax_t voxel_offset(const fs::path& path, const MetaHeader& header, cons
 }  // namespace
 
 bool is_meta_image(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = lower_extension(path);
   return extension == ".mha" || extension == ".mhd";
 }
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "file_fault.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "mesh_formats.hpp"
 #include "part_names.hpp"
 #include "unpacked_file.hpp"
@@ -72,7 +73,7 @@ class ObjReader {
 
   /// What follows belongs to it; groups of one name, as it stands in the file, are one.
   void begin_group(const std::string& text) {
-    std::string name = without_spaces_around(text);
+    std::string name(trimmed(text, kSpaces));
     if (name.empty()) name = "wall";
     const auto [at, is_new] =
         numbers_.try_emplace(name, static_cast<std::int32_t>(mesh_.info.patches.size()));

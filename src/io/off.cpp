@@ -6,6 +6,7 @@
 
 #include "cell_blocks.hpp"
 #include "file_fault.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 #include "mesh_builder.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
@@ -87,27 +88,22 @@ MixedMesh read_off(const std::filesystem::path& path) {
 }
 
 void write_off(const std::filesystem::path& path, const MeshView& mesh) {
-  constexpr std::uint32_t kUnused = ~std::uint32_t{0};
-  std::vector<std::uint32_t> number(mesh.points.size(), kUnused), used;
+  PointNumbers numbers(mesh.points.size());
   std::size_t faces = 0;
   for (const CellBlock& block : face_blocks(mesh)) {
     faces += block.size();
-    for (const std::uint32_t v : block.vertices) {
-      if (number[v] != kUnused) continue;
-      number[v] = static_cast<std::uint32_t>(used.size());
-      used.push_back(v);
-    }
+    for (const std::uint32_t v : block.vertices) numbers.of(v);
   }
   if (faces == 0) fail(path, "the mesh has no boundary faces to write");
   OutputFile file(path);
-  file.print("OFF\n# lumesh SPACE={} UNIT={}\n{} {} 0\n", mesh.info->frame, mesh.info->unit, used.size(),
-             faces);
-  for (const std::uint32_t v : used)
+  file.print("OFF\n# lumesh SPACE={} UNIT={}\n{} {} 0\n", mesh.info->frame, mesh.info->unit,
+             numbers.points().size(), faces);
+  for (const std::uint32_t v : numbers.points())
     file.print("{} {} {}\n", mesh.points[v].x(), mesh.points[v].y(), mesh.points[v].z());
   for (const CellBlock& block : face_blocks(mesh)) {
     for (std::size_t f = 0; f < block.size(); ++f) {
       file.print("{}", block.corners);
-      for (const std::uint32_t v : block.cell(f)) file.print(" {}", number[v]);
+      for (const std::uint32_t v : block.cell(f)) file.print(" {}", numbers.of(v));
       file.print("\n");
     }
   }

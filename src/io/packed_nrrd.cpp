@@ -3,15 +3,16 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "file_fault.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -65,7 +66,7 @@ bool gzip_follows(std::istream& in, std::size_t voxel_bytes) {
   bool own_order = voxel_bytes == 1;
   std::string text;
   for (bool first = true; std::getline(in, text); first = false) {
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    text = lower_case(std::move(text));
     std::string_view line = text;
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (line.empty()) return packed && own_order;
@@ -88,7 +89,7 @@ NrrdNotes nrrd_notes(const fs::path& path) {
   while (std::getline(in, text) && !text.empty() && text != "\r") {
     if (text.size() > (is_free_text(text) ? kLongestText : kLongestField))
       fail(path, "has a damaged header (a very long line); save it again");
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    text = lower_case(std::move(text));
     const bool has_digits = text.find_first_of("0123456789") != std::string::npos;
     if (is_field(text, "spacings") || is_field(text, "spacedirections"))
       notes.has_spacing = notes.has_spacing || has_digits;

@@ -20,13 +20,6 @@ bool is_word_without_letters(const std::string& word, const std::string& name) {
 
 }  // namespace
 
-std::string without_spaces_around(std::string_view text) {
-  constexpr std::string_view kSpaces = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kSpaces);
-  if (first == std::string_view::npos) return "";
-  return std::string(text.substr(first, text.find_last_not_of(kSpaces) - first + 1));
-}
-
 std::string name_patches_by_words(std::vector<Patch>& patches, std::string_view otherwise) {
   std::vector<Patch> named;
   std::vector<std::string> told;
@@ -40,6 +33,12 @@ std::string name_patches_by_words(std::vector<Patch>& patches, std::string_view 
   }
   patches = std::move(named);
   if (told.empty()) return "";
+  constexpr std::size_t kMostTold = 12;
+  if (told.size() > kMostTold) {
+    const std::string more = fmt::format("and {} more", told.size() - kMostTold);
+    told.resize(kMostTold);
+    told.push_back(more);
+  }
   return fmt::format("names of patches keep ASCII's letters, digits and _ - . only: {}",
                      fmt::join(told, ", "));
 }

@@ -9,8 +9,8 @@
 
 namespace lumesh::io {
 
-/// The text without spaces, tabs and ends of lines before and behind it.
-[[nodiscard]] std::string without_spaces_around(std::string_view text);
+/// Spaces, tabs and ends of lines, which may stand around a name.
+inline constexpr std::string_view kSpaces = " \t\r\n";
 
 /// Calls patches by patch_word() of their names, and gives them the kind that it says. Different names stay
 /// different, a_b and a_b_2; one of which no letter is left becomes `otherwise` with its number.

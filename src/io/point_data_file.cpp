@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -89,9 +88,7 @@ std::optional<ColumnName> component_of(const std::string& name) {
   constexpr std::array<std::string_view, 3> kPlain = {"u", "v", "w"};
   constexpr std::array<std::array<std::string_view, 3>, 3> kSuffixes = {
       {{":0", ":1", ":2"}, {"_0", "_1", "_2"}, {"_x", "_y", "_z"}}};
-  std::string lower = name;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = lower_case(name);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (lower == kPlain[axis]) return ColumnName{"velocity", axis};
     for (const auto& suffixes : kSuffixes)
@@ -129,20 +126,15 @@ void keep_columns(const TextTable& table, const io::PlaceColumns& places, PointD
 TextTable read_table(const std::filesystem::path& path, std::string_view content) {
   TextTable table;
   std::optional<RowSplitter> splitter;
-  std::size_t number = 0;
-  for (std::size_t begin = 0; begin < content.size();) {
-    const std::size_t end = std::min(content.find('\n', begin), content.size());
-    const std::string_view line = content.substr(begin, end - begin);
-    begin = end + 1;
-    ++number;
-    if (const auto text = trimmed(line, kAround); text.empty() || text.starts_with('#')) continue;
+  io::for_each_line(content, [&](std::string_view line, std::size_t number) {
+    if (const auto text = trimmed(line, kAround); text.empty() || text.starts_with('#')) return;
     if (!splitter) {
       splitter.emplace(line);
       for (const std::string_view name : splitter->fields_of(line)) table.names.emplace_back(name);
       table.columns.resize(table.names.size());
       if (table.names.size() < 3 || io::real_from(table.names[0]))
         io::fail(path, fmt::format("line {}: names of columns are wanted, such as x,y,z,u,v,w", number));
-      continue;
+      return;
     }
     const std::vector<std::string_view> fields = splitter->fields_of(line);
     if (fields.size() != table.names.size())
@@ -150,7 +142,7 @@ TextTable read_table(const std::filesystem::path& path, std::string_view content
                                  table.names.size()));
     for (std::size_t c = 0; c < fields.size(); ++c)
       table.columns[c].push_back(io::real_from(fields[c]).value_or(kNotANumber));
-  }
+  });
   return table;
 }
 

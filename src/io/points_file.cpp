@@ -41,21 +41,16 @@ std::vector<Vec3> read_text(const std::filesystem::path& path) {
   std::vector<Vec3> points;
   io::PlaceColumns columns = {0, 1, 2};
   bool is_first = true;
-  std::size_t number = 0;
-  for (std::size_t begin = 0; begin < content.size();) {
-    const std::size_t end = std::min(content.find('\n', begin), content.size());
-    const std::string_view line = std::string_view(content).substr(begin, end - begin);
-    begin = end + 1;
-    ++number;
+  io::for_each_line(content, [&](std::string_view line, std::size_t number) {
     const std::vector<std::string_view> fields = fields_of(line);
-    if (fields.empty() || fields[0].starts_with('#')) continue;
+    if (fields.empty() || fields[0].starts_with('#')) return;
     const bool names = is_first && std::none_of(fields.begin(), fields.end(), [](std::string_view f) {
                          return io::real_from(f).has_value();
                        });
     is_first = false;
     if (names) {
       columns = io::place_columns(fields);
-      continue;
+      return;
     }
     Vec3 p = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -65,7 +60,7 @@ std::vector<Vec3> read_text(const std::filesystem::path& path) {
     if (!p.allFinite())
       io::fail(path, fmt::format("line {}: three finite numbers x y z are wanted, in mm", number));
     points.push_back(p);
-  }
+  });
   return points;
 }
 

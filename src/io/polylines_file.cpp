@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
-
 #include "file_fault.hpp"
 #include "vtk_xml_reader.hpp"
 #include "vtk_xml_writer.hpp"
@@ -20,14 +18,8 @@ void write_lines(io::VtkXmlWriter& writer, const Polylines& lines) {
     ends.push_back(static_cast<std::int64_t>(vertices.size()));
   }
   writer.print("<Lines>\n");
-  writer.array({"connectivity", "Int32", 1, vertices.size()},
-               [&](std::size_t first, std::size_t last, std::byte* out) {
-                 std::memcpy(out, vertices.data() + first, (last - first) * sizeof(vertices[0]));
-               });
-  writer.array({"offsets", "Int64", 1, ends.size()},
-               [&](std::size_t first, std::size_t last, std::byte* out) {
-                 std::memcpy(out, ends.data() + first, (last - first) * sizeof(ends[0]));
-               });
+  writer.numbers("connectivity", vertices);
+  writer.numbers("offsets", ends);
   writer.print("</Lines>\n");
 }
 
@@ -51,20 +43,8 @@ void write_polylines(const std::filesystem::path& path, const Polylines& lines, 
   writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" ",
                lines.points.size(), lines.lines.size());
   writer.print("NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData>\n");
-  for (const auto& array : lines.scalars) {
-    const std::vector<double>& values = array.second;
-    writer.array({array.first, "Float64", 1, values.size()},
-                 [&](std::size_t first, std::size_t last, std::byte* out) {
-                   std::memcpy(out, values.data() + first, (last - first) * sizeof(double));
-                 });
-  }
-  for (const auto& array : lines.vectors) {
-    const std::vector<Vec3>& values = array.second;
-    writer.array({array.first, "Float64", 3, values.size()},
-                 [&](std::size_t first, std::size_t last, std::byte* out) {
-                   std::memcpy(out, values.data() + first, (last - first) * sizeof(Vec3));
-                 });
-  }
+  for (const auto& [name, values] : lines.scalars) writer.numbers(name, values);
+  for (const auto& [name, values] : lines.vectors) writer.vectors(name, values);
   writer.print("</PointData>\n");
   writer.points(lines.points);
   write_lines(writer, lines);

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cell_blocks.hpp"
 #include "face_ids.hpp"
 #include "face_owners.hpp"
 #include "file_fault.hpp"
@@ -51,17 +52,16 @@ void write_volume(const fs::path& path, const MeshView& mesh) {
   writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.points.size(),
                cells);
   writer.print("<PointData>\n");
-  writer.int32_array("GlobalNodeID", numbers_from_1(mesh.points.size()));
+  writer.numbers("GlobalNodeID", numbers_from_1(mesh.points.size()));
   writer.print("</PointData>\n<CellData>\n");
-  writer.int32_array("GlobalElementID", numbers_from_1(cells));
-  writer.int32_array("ModelRegionID", mesh.tetrahedron_labels);
+  writer.numbers("GlobalElementID", numbers_from_1(cells));
+  writer.numbers("ModelRegionID", mesh.tetrahedron_labels);
   writer.print("</CellData>\n");
   writer.points(mesh.points);
   writer.print("<Cells>\n");
-  writer.array({"connectivity", "Int32", 1, 4 * cells}, mesh.tetrahedra.data());
-  writer.array({"offsets", "Int64", 1, cells}, cell_ends(cells, 4).data());
-  const std::vector<std::uint8_t> types(cells, 10);  // VTK_TETRA
-  writer.array({"types", "UInt8", 1, cells}, types.data());
+  writer.numbers("connectivity", volume_blocks(mesh)[0].vertices);
+  writer.numbers("offsets", cell_ends(cells, 4));
+  writer.numbers("types", std::vector(cells, static_cast<std::uint8_t>(CellShape::kTetrahedron)));
   writer.print("</Cells>\n</Piece>\n");
   writer.commit();
 }
@@ -104,16 +104,16 @@ void write_faces(const fs::path& path, const FaceFile& file) {
   writer.print("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" ",
                file.points.size());
   writer.print("NumberOfPolys=\"{}\">\n<PointData>\n", file.face_ids.size());
-  writer.int32_array("GlobalNodeID", file.node_ids);
+  writer.numbers("GlobalNodeID", file.node_ids);
   writer.print("</PointData>\n<CellData>\n");
-  writer.int32_array("GlobalElementID", file.element_ids);
-  writer.int32_array("ModelRegionID", file.region_ids);
-  writer.int32_array("ModelFaceID", file.face_ids);
+  writer.numbers("GlobalElementID", file.element_ids);
+  writer.numbers("ModelRegionID", file.region_ids);
+  writer.numbers("ModelFaceID", file.face_ids);
   writer.print("</CellData>\n");
   writer.points(file.points);
   writer.print("<Polys>\n");
-  writer.int32_array("connectivity", file.corners);
-  writer.array({"offsets", "Int64", 1, file.face_ids.size()}, cell_ends(file.face_ids.size(), 3).data());
+  writer.numbers("connectivity", file.corners);
+  writer.numbers("offsets", cell_ends(file.face_ids.size(), 3));
   writer.print("</Polys>\n</Piece>\n");
   writer.commit();
 }

@@ -4,13 +4,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <sstream>
 
 #include "file_fault.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
 #include "part_names.hpp"
@@ -108,11 +108,11 @@ MixedMesh parse_text(const std::filesystem::path& path, const std::string& text)
   std::size_t corner = 3;
   bool is_complete = false;
   for (std::string word; in >> word;) {
-    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    word = lower_case(std::move(word));
     if (word == "solid" || word == "endsolid") {
-      std::string name;  // It may hold any words.
-      std::getline(in, name);
-      name = without_spaces_around(name);
+      std::string rest;  // It may hold any words.
+      std::getline(in, rest);
+      const std::string name(trimmed(rest, kSpaces));
       if (word == "solid") surface.begin_solid(name.empty() ? "wall" : name);
     }
     is_complete = word == "endsolid" || (is_complete && word != "facet");

@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
+
+#include "lumesh/core/parse_number.hpp"
 
 namespace lumesh::io {
 
 std::optional<double> real_from(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0;
-  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (fault != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
+  return parse_number<double>(word);
 }
 
 PlaceColumns place_columns(const std::vector<std::string_view>& header) {

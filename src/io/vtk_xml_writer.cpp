@@ -3,7 +3,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <string>
 
@@ -128,32 +127,21 @@ void VtkXmlWriter::array(const XmlArray& shape, const Fill& fill) {
   print("\n</DataArray>\n");
 }
 
-void VtkXmlWriter::array(const XmlArray& shape, const void* tuples) {
-  const std::size_t bytes = xml_type_bytes(shape.type) * shape.components;
-  array(shape, [&](std::size_t first, std::size_t last, std::byte* out) {
-    std::memcpy(out, static_cast<const std::byte*>(tuples) + first * bytes, (last - first) * bytes);
-  });
+void VtkXmlWriter::vectors(std::string_view name, std::span<const Vec3> vectors) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  numbers(name, std::span(reinterpret_cast<const double*>(vectors.data()), 3 * vectors.size()), 3);
 }
 
 void VtkXmlWriter::points(std::span<const Vec3> points) {
-  static_assert(sizeof(Vec3) == 3 * sizeof(double));
   print("<Points>\n");
-  array({"Points", "Float64", 3, points.size()}, points.data());
+  vectors("Points", points);
   print("</Points>\n");
 }
 
-void VtkXmlWriter::int32_array(std::string_view name, std::span<const std::int32_t> values) {
-  array({name, "Int32", 1, values.size()}, values.data());
-}
-
-void VtkXmlWriter::text_array(std::string_view name, std::string_view text) {
-  array({name, "Int8", 1, text.size()}, text.data());
-}
-
 void VtkXmlWriter::info_arrays(const MeshInfo& info) {
-  text_array("unit", info.unit);
-  text_array("frame", info.frame);
-  text_array("lumesh_info", info_to_json(info));
+  numbers("unit", info.unit);
+  numbers("frame", info.frame);
+  numbers("lumesh_info", info_to_json(info));
 }
 
 void VtkXmlWriter::commit() {

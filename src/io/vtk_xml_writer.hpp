@@ -4,11 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "lumesh/core/types.hpp"
@@ -29,6 +31,16 @@ struct XmlArray {
 /// Bytes per value of a VTK type; 0 if unknown.
 [[nodiscard]] std::size_t xml_type_bytes(std::string_view type);
 
+/// VTK's type of numbers. Indices of points are below 2^31 by far, so their bits serve as Int32.
+template <class Number>
+constexpr std::string_view xml_type_of() {
+  if constexpr (std::is_same_v<Number, double>) return "Float64";
+  if constexpr (std::is_same_v<Number, char>) return "Int8";
+  if constexpr (std::is_same_v<Number, std::uint8_t>) return "UInt8";
+  if constexpr (std::is_same_v<Number, std::int64_t>) return "Int64";
+  if constexpr (std::is_same_v<Number, std::int32_t> || std::is_same_v<Number, std::uint32_t>) return "Int32";
+}
+
 /// Text as it may stand in an attribute or between elements; control characters become _.
 [[nodiscard]] std::string xml_escaped(std::string_view text);
 
@@ -46,18 +58,23 @@ class VtkXmlWriter {
   }
   /// Compresses blocks in parallel; memory: the compressed array.
   void array(const XmlArray& shape, const Fill& fill);
-  /// The same of tuples that lie in memory as in the file.
-  void array(const XmlArray& shape, const void* tuples);
+  /// The same of numbers that lie in memory as in the file.
+  template <class Numbers>
+  void numbers(std::string_view name, const Numbers& all, std::size_t components = 1) {
+    using Number = std::remove_cv_t<typename Numbers::value_type>;
+    array({name, xml_type_of<Number>(), components, all.size() / components},
+          [&](std::size_t first, std::size_t last, std::byte* out) {
+            std::memcpy(out, all.data() + first * components, (last - first) * components * sizeof(Number));
+          });
+  }
+  void vectors(std::string_view name, std::span<const Vec3> vectors);
   void points(std::span<const Vec3> points);
-  void int32_array(std::string_view name, std::span<const std::int32_t> values);
   /// FieldData arrays `unit`, `frame` and `lumesh_info` (JSON, with provenance), as bytes of text; for inside
   /// <FieldData>.
   void info_arrays(const MeshInfo& info);
   void commit();
 
  private:
-  void text_array(std::string_view name, std::string_view text);
-
   OutputFile file_;
   std::string_view dataset_type_;
 };

@@ -106,18 +106,12 @@ void write_cells(VtkXmlWriter& writer, const CellSequence& cells) {
 
 /// The boundary faces, kept beside the volume cells so that programs that count cells see volume cells only.
 void write_faces(VtkXmlWriter& writer, const MeshView& mesh) {
-  const std::array<std::string_view, 2> names = {"lumesh_triangles", "lumesh_quadrilaterals"};
-  const std::array<std::string_view, 2> patch_names = {"lumesh_triangle_patches",
-                                                       "lumesh_quadrilateral_patches"};
   const auto blocks = face_blocks(mesh);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const CellBlock& block = blocks[i];
     if (block.size() == 0) continue;  // meshio fails on arrays without any block.
-    writer.array({names[i], "Int32", block.corners, block.size()}, [&](std::size_t first, std::size_t last,
-                                                                       std::byte* out) {
-      std::memcpy(out, block.cell(first).data(), (last - first) * block.corners * sizeof(std::uint32_t));
-    });
-    writer.int32_array(patch_names[i], block.tags);
+    writer.numbers(kFaceArrays[i], block.vertices, block.corners);
+    writer.numbers(kFacePatchArrays[i], block.tags);
   }
 }
 

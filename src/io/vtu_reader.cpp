@@ -94,8 +94,9 @@ std::int32_t checked_patch(const VtkXmlReader& file, std::int64_t patch) {
 }
 
 template <std::size_t N>
-void read_faces(const VtkXmlReader& file, const char* name, const char* patch_name, std::size_t points,
-                std::vector<Cell<N>>& faces, std::vector<std::int32_t>& patches) {
+void read_faces(const VtkXmlReader& file, std::size_t block, std::size_t points, std::vector<Cell<N>>& faces,
+                std::vector<std::int32_t>& patches) {
+  const char *const name = kFaceArrays[block], *const patch_name = kFacePatchArrays[block];
   const pugi::xml_node fields = file.dataset().child("FieldData");
   const pugi::xml_node array = VtkXmlReader::find_array(fields, name);
   if (!array) return;
@@ -177,10 +178,8 @@ MixedMesh read_vtu(const std::filesystem::path& path) {
   mesh.sizes_mm = read_sizes(file, mesh.points.size());
   read_cells(file, mesh);
   read_info(file, mesh);
-  read_faces(file, "lumesh_triangles", "lumesh_triangle_patches", mesh.points.size(), mesh.triangles,
-             mesh.triangle_patches);
-  read_faces(file, "lumesh_quadrilaterals", "lumesh_quadrilateral_patches", mesh.points.size(),
-             mesh.quadrilaterals, mesh.quadrilateral_patches);
+  read_faces(file, 0, mesh.points.size(), mesh.triangles, mesh.triangle_patches);
+  read_faces(file, 1, mesh.points.size(), mesh.quadrilaterals, mesh.quadrilateral_patches);
   complete_patches(file, mesh);
   return mesh;
 }

@@ -14,6 +14,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_words.hpp"
@@ -35,10 +36,8 @@ std::optional<GivenKind> given_kind(std::string_view word) {
 }
 
 /// Kind that a name means, however it is spelt.
-PatchKind kind_meant_by(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return kind_of_name(name);
+PatchKind kind_meant_by(const std::string& name) {
+  return kind_of_name(lower_case(name));
 }
 
 /// Whether the name says something else.

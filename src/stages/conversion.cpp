@@ -13,9 +13,7 @@ namespace lumesh {
 namespace {
 
 MixedMesh read_with_boundary(const std::string& path, const std::string& unit, Context& context) {
-  SurfaceFile read = context.phase("read", [&] { return read_surface_file(path, ""); });
-  if (!read.renamed.empty()) context.warn(path + ": " + read.renamed);
-  MixedMesh mesh = std::move(read.mesh);
+  MixedMesh mesh = context.phase("read", [&] { return read_surface_file(path, "", context); });
   if (!unit.empty()) mesh.info.unit = unit;
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   return mesh;

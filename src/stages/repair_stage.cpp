@@ -146,9 +146,8 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
 }
 
 RepairOutcome repair_file(const std::string& path, const RepairRequest& request, Context& context) {
-  SurfaceFile read = context.phase("read", [&] { return read_surface_file(path, ""); });
-  if (!read.renamed.empty()) context.warn(path + ": " + read.renamed);
-  const MixedMesh surface = as_surface(std::move(read.mesh), path);
+  const MixedMesh surface =
+      as_surface(context.phase("read", [&] { return read_surface_file(path, "", context); }), path);
   warn_of_unit(surface, {}, "", path, context);
   RepairOutcome outcome = naming(path, [&] {
     return context.phase("repair", [&] { return repair_surface(surface, request, context); });

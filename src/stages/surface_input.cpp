@@ -107,10 +107,9 @@ MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path) {
 
 SurfaceInput read_surface(const std::filesystem::path& path, const std::string& unit,
                           const SurfaceInputOptions& options, const InputCuts& cuts, const Context& context) {
-  SurfaceFile read = read_surface_file(path, options.patch_array);
-  if (!read.renamed.empty()) context.warn(path.string() + ": " + read.renamed);
-  if (!unit.empty()) read.mesh.info.unit = unit;
-  SurfaceInput input{as_surface(std::move(read.mesh), path), {}, 0};
+  MixedMesh read = read_surface_file(path, options.patch_array, context);
+  if (!unit.empty()) read.info.unit = unit;
+  SurfaceInput input{as_surface(std::move(read), path), {}, 0};
   input.closed = close_open_ends(input.mesh, options, context);
   if (cuts.none()) return input;
   naming(path.string(), [&] { cut_and_extend(input, cuts, options.domain, context); });

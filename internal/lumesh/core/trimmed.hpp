@@ -1,6 +1,9 @@
 #pragma once
-/// @file Texts without what stands around them.
+/// @file Texts without what stands around them, and in small letters.
 
+#include <algorithm>
+#include <cctype>
+#include <string>
 #include <string_view>
 
 namespace lumesh {
@@ -10,6 +13,13 @@ namespace lumesh {
   const std::size_t begin = text.find_first_not_of(around);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(around) + 1 - begin);
+}
+
+/// The text in small letters; those beyond ASCII stay as they are.
+[[nodiscard]] inline std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
 }
 
 }  // namespace lumesh

@@ -1,0 +1,52 @@
+#pragma once
+/// @file Which points cells and faces use, and numbers for these.
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "lumesh/core/types.hpp"
+
+namespace lumesh {
+
+/// One flag per point: 1 if a corner of the cells, which may have any number of them.
+template <class Cells>
+[[nodiscard]] std::vector<std::uint8_t> points_in_use(std::size_t count, const Cells& cells) {
+  std::vector<std::uint8_t> in_use(count, 0);
+  for (const auto& cell : cells)
+    for (const std::uint32_t v : cell) in_use[v] = 1;
+  return in_use;
+}
+
+/// Numbers points in the order in which they are asked for.
+class PointNumbers {
+ public:
+  /// @param count  All points, used or not.
+  explicit PointNumbers(std::size_t count) : numbers_(count, kNone) {}
+
+  /// The number of a point.
+  std::uint32_t of(std::uint32_t point) {
+    if (numbers_[point] == kNone) {
+      numbers_[point] = static_cast<std::uint32_t>(points_.size());
+      points_.push_back(point);
+    }
+    return numbers_[point];
+  }
+  /// The points that have a number, in the order of these.
+  [[nodiscard]] const std::vector<std::uint32_t>& points() const { return points_; }
+
+  /// Their places.
+  [[nodiscard]] std::vector<Vec3> places(std::span<const Vec3> all) const {
+    std::vector<Vec3> places;
+    places.reserve(points_.size());
+    for (const std::uint32_t v : points_) places.push_back(all[v]);
+    return places;
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> numbers_, points_;
+};
+
+}  // namespace lumesh
