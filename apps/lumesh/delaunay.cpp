@@ -14,16 +14,7 @@ namespace lumesh::cli {
 
 namespace {
 
-struct DelaunayCommand {
-  DelaunayFileRequest request;
-  MeshOutput output;
-  std::string json_path;
-  RunOptions run;
-
-  [[nodiscard]] FrameParts frames() {
-    return {&request.input.selection, request.input.path, {&output.mesh, &output.surface, &json_path}};
-  }
-};
+struct DelaunayCommand : FirstMeshCommand<DelaunayFileRequest> {};
 
 void run(DelaunayCommand command) {
   CommandRun session(command.run);

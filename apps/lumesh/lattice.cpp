@@ -12,16 +12,7 @@ namespace lumesh::cli {
 
 namespace {
 
-struct LatticeCommand {
-  LatticeRequest request;
-  MeshOutput output;
-  std::string json_path;
-  RunOptions run;
-
-  [[nodiscard]] FrameParts frames() {
-    return {&request.input.selection, request.input.path, {&output.mesh, &output.surface, &json_path}};
-  }
-};
+struct LatticeCommand : FirstMeshCommand<LatticeRequest> {};
 
 void run(const LatticeCommand& command) {
   CommandRun session(command.run);

@@ -196,21 +196,21 @@ void Lumen::pass_along(int axis, std::vector<double>& squared) const {
 
 std::array<std::uint32_t, 27> Lumen::around(std::uint32_t id) const {
   std::array<std::uint32_t, 27> ids;
+  const auto fill = [&](const auto& id_at) {
+    std::size_t n = 0;
+    for (int k = -1; k <= 1; ++k)
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) ids[n++] = id_at(i, j, k);
+  };
   const Index3& v = voxels_[id];
   const Index3 at = v - low_;
   const auto is_within = [](int x) { return x % kBrick != 0 && x % kBrick != kBrick - 1; };
   if (is_within(at.x()) && is_within(at.y()) && is_within(at.z())) {
     const std::uint32_t* own = brick_at(v)->ids.data() + cell(v);
-    std::size_t n = 0;
-    for (int k = -1; k <= 1; ++k)
-      for (int j = -1; j <= 1; ++j)
-        for (int i = -1; i <= 1; ++i) ids[n++] = own[i + kBrick * (j + kBrick * k)];
-    return ids;
+    fill([&](int i, int j, int k) { return own[i + kBrick * (j + kBrick * k)]; });
+  } else {
+    fill([&](int i, int j, int k) { return find(v + Index3(i, j, k)); });
   }
-  std::size_t n = 0;
-  for (int k = -1; k <= 1; ++k)
-    for (int j = -1; j <= 1; ++j)
-      for (int i = -1; i <= 1; ++i) ids[n++] = find(v + Index3(i, j, k));
   return ids;
 }
 

@@ -92,7 +92,7 @@ class Extruder {
   [[nodiscard]] double mean_wall_edge_mm() const {
     double sum_mm = 0;
     std::size_t count = 0;
-    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+    for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (patch(p).kind != PatchKind::kWall) return;
       for (std::size_t i = 0; i < face.size(); ++i, ++count)
         sum_mm += (point(face[i]) - point(face[(i + 1) % face.size()])).norm();
@@ -109,13 +109,6 @@ class Extruder {
     check_names_of(lengths, names, "the mesh");
   }
 
-  template <class Visit>
-  void for_each_face(const Visit& visit) const {
-    for (std::size_t t = 0; t < mesh().triangles.size(); ++t)
-      visit(std::span<const std::uint32_t>(mesh().triangles[t]), mesh().triangle_patches[t]);
-    for (std::size_t q = 0; q < mesh().quadrilaterals.size(); ++q)
-      visit(std::span<const std::uint32_t>(mesh().quadrilaterals[q]), mesh().quadrilateral_patches[q]);
-  }
   [[nodiscard]] Vec3 area_normal(std::span<const std::uint32_t> face) const {
     Vec3 normal = 0.5 * triangle_area_normal(point(face[0]), point(face[1]), point(face[2]));
     if (face.size() == 4)
@@ -131,7 +124,7 @@ class Extruder {
   /// Mean normal of each patch, over all of its faces.
   [[nodiscard]] std::vector<Vec3> patch_normals() const {
     std::vector<Vec3> sums(patches().size(), Vec3::Zero());
-    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+    for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
       sums[static_cast<std::size_t>(p)] += area_normal(face);
     });
     for (Vec3& sum : sums) sum.stableNormalize();
@@ -145,7 +138,7 @@ class Extruder {
       return normals[static_cast<std::size_t>(p)].dot(normals[static_cast<std::size_t>(first)]) > kOnePlane;
     };
     std::map<std::uint64_t, std::vector<std::int32_t>> at_edge;
-    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+    for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (patch(p).kind != PatchKind::kOpening) return;
       for (std::size_t i = 0; i < face.size(); ++i)
         at_edge[edge_key(face[i], face[(i + 1) % face.size()])].push_back(p);
@@ -168,7 +161,7 @@ class Extruder {
     double edges_mm = 0;
     std::map<std::int32_t, double> area_of;
     std::size_t edge_count = 0;
-    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+    for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (!s.has(p)) return;
       s.faces.push_back({{face.begin(), face.end()}, p});
       s.vertices.insert(s.vertices.end(), face.begin(), face.end());
@@ -229,7 +222,7 @@ class Extruder {
     Eigen::Matrix<double, 6, 6> sums = Eigen::Matrix<double, 6, 6>::Zero();
     Vec6 right = Vec6::Zero();
     double area = 0, squares = 0;
-    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+    for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (patch(p).kind != PatchKind::kWall) return;
       const Vec3 off = middle_of(face) - s.centre_mm;
       const double depth = -off.dot(s.normal) / depth_mm;
@@ -401,7 +394,7 @@ class Extruder {
       return is_beyond && (least.array() < half_width_mm).all() && (most.array() > -half_width_mm).all();
     };
     std::vector<Cell<3>> beyond;
-    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+    for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (s.has(p) || !is_in_way(face)) return;
       for (std::size_t i = 2; i < face.size(); ++i) beyond.push_back({face[0], face[i - 1], face[i]});
     });
@@ -477,7 +470,7 @@ class Extruder {
         besides;  // Count of the section's faces; patch.
     std::vector<bool> is_of_section(mesh().points.size(), false);
     for (const std::uint32_t v : s.vertices) is_of_section[v] = true;
-    for_each_face([&](std::span<const std::uint32_t> face, std::int32_t p) {
+    for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
       for (std::size_t i = 0; i < face.size(); ++i) {
         const std::uint32_t from = face[i], to = face[(i + 1) % face.size()];
         if (!is_of_section[from] || !is_of_section[to]) continue;

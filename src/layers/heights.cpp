@@ -8,6 +8,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/operators/crossings.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::layers {
@@ -85,13 +86,6 @@ double free_ball(const Vec3& point, const Vec3& direction, const Outside& outsid
     radius = std::min((1 - kTouching) * radius, to_hit.squaredNorm() / (2 * ahead));
   }
   return is_limited ? radius : most;
-}
-
-std::vector<Cell<3>> outer_triangles(const BoundaryFaces& faces) {
-  std::vector<Cell<3>> outer;
-  for (std::size_t f = 0; f < faces.triangles.size(); ++f)
-    if (!faces.tets[f][1].valid()) outer.push_back(faces.triangles[f]);
-  return outer;
 }
 
 std::vector<double> smoothed(const LayerSurface& surface, std::vector<double> values, int sweeps) {
@@ -201,7 +195,7 @@ void ask_for_layers_up_to(const std::vector<double>& most, const LayerSurface& s
 }  // namespace
 
 Outside::Outside(const TetMesh& mesh, const BoundaryFaces& faces)
-    : Outside(mesh.points(), outer_triangles(faces)) {}
+    : Outside(mesh.points(), operators::outside_of(faces)) {}
 
 Outside::Outside(std::span<const Vec3> points, const std::vector<Cell<3>>& triangles)
     : tree(points, triangles) {

@@ -48,13 +48,11 @@ class FaceMerger {
   void for_each_face(std::size_t part, const Visit& visit) const {
     const MixedMesh& mesh = *parts_[part].mesh;
     const std::vector<std::uint32_t>& numbers = joined_.numbers[part];
-    const auto joined = [&](const FaceCorners& face) {
-      return FaceCorners{numbers[face[0]], numbers[face[1]], numbers[face[2]], numbers[face[3]]};
-    };
-    for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
-      visit(joined(face_of(mesh.triangles[f])), mesh.triangle_patches[f]);
-    for (std::size_t f = 0; f < mesh.quadrilaterals.size(); ++f)
-      visit(joined(face_of(mesh.quadrilaterals[f])), mesh.quadrilateral_patches[f]);
+    for_each_patch_face(mesh, [&](const auto& corners, std::int32_t patch) {
+      FaceCorners face = face_of(corners);
+      for (std::uint32_t& v : face) v = numbers[v];
+      visit(face, patch);
+    });
   }
   [[nodiscard]] std::uint32_t contact_at(const FaceCorners& face) const {
     const Contact* found = find_contact(contacts_, face);

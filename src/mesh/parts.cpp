@@ -45,10 +45,7 @@ class PartBuilder {
   [[nodiscard]] bool stays(Label label) const { return labels_.contains(label); }
   template <class Visit>
   void for_each_face(const Visit& visit) const {
-    for (std::size_t f = 0; f < mesh_.triangles.size(); ++f)
-      visit(face_of(mesh_.triangles[f]), mesh_.triangle_patches[f]);
-    for (std::size_t f = 0; f < mesh_.quadrilaterals.size(); ++f)
-      visit(face_of(mesh_.quadrilaterals[f]), mesh_.quadrilateral_patches[f]);
+    for_each_patch_face(mesh_, [&](const auto& face, std::int32_t patch) { visit(face_of(face), patch); });
   }
 
   void number_points() {

@@ -61,12 +61,8 @@ void TetMesh::enable_metric() {
   change_epochs_ = parallel::StableArray<std::uint32_t>(kMaxVertices);
   qualities_ = parallel::StableArray<float>(kMaxTets);
   trial_epochs_ = parallel::StableArray<std::uint32_t>(kMaxTets);
-  metric_.commit(vertex_slots());
-  log_metric_.commit(vertex_slots());
-  metric_hints_.commit(vertex_slots());
-  change_epochs_.commit(vertex_slots());
-  qualities_.commit(tet_slots());
-  trial_epochs_.commit(tet_slots());
+  commit_vertices(vertex_slots());
+  commit_tets(tet_slots());
 }
 
 void TetMesh::enable_interfaces() {

@@ -34,13 +34,6 @@ std::size_t first_failing(std::size_t count, const Fails& fails) {
       [](std::size_t a, std::size_t b) { return std::min(a, b); });
 }
 
-template <std::size_t N>
-std::string text(const Cell<N>& vertices) {
-  std::string list = "(";
-  for (const std::uint32_t v : vertices) list += (list.size() > 1 ? ", " : "") + std::to_string(v);
-  return list + ")";
-}
-
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorKind::kBadInput, "mesh: " + message);
 }
@@ -61,22 +54,15 @@ void check_input(std::span<const Vec3> points, std::span<const Cell<4>> tets, st
   };
   const std::size_t bad_index = first_failing(tets.size(), out_of_range);
   if (bad_index != kNothing)
-    refuse("tetrahedron " + std::to_string(bad_index) + " " + text(tets[bad_index]) +
+    refuse("tetrahedron " + std::to_string(bad_index) + " " + corners_text(tets[bad_index]) +
            " names a vertex that is not there; there are " + std::to_string(points.size()));
   const std::size_t inverted = first_failing(tets.size(), [&](std::size_t t) {
     const auto& [a, b, c, d] = tets[t];
     return orient3d(points[a], points[b], points[c], points[d]) <= 0;
   });
   if (inverted != kNothing)
-    refuse("tetrahedron " + std::to_string(inverted) + " " + text(tets[inverted]) +
+    refuse("tetrahedron " + std::to_string(inverted) + " " + corners_text(tets[inverted]) +
            " is inverted or flat; exchange two of its vertices or repair the mesh");
-}
-
-/// True if the faces are one face seen from its two sides.
-bool opposite_sides(const Cell<3>& a, const Cell<3>& b) {
-  for (int i = 0; i < 3; ++i)
-    if (b[i] == a[0]) return b[(i + 1) % 3] == a[2] && b[(i + 2) % 3] == a[1];
-  return false;
 }
 
 /// A face of a tetrahedron.
@@ -100,7 +86,8 @@ class PatchSearch {
     parallel::sort(entries_.begin(), entries_.end());
     for (std::size_t i = 1; i < entries_.size(); ++i)
       if (entries_[i].corners == entries_[i - 1].corners && entries_[i].patch != entries_[i - 1].patch)
-        refuse("boundary triangle " + text(entries_[i].corners) + " stands twice with different patches");
+        refuse("boundary triangle " + corners_text(entries_[i].corners) +
+               " stands twice with different patches");
   }
 
   /// Patch of a face, or -1. Different faces may be asked for at the same time.
@@ -118,7 +105,8 @@ class PatchSearch {
   void require_all_used() const {
     for (std::size_t i = 0; i < entries_.size(); ++i)
       if (used_[i] == 0)
-        refuse("boundary triangle " + std::to_string(entries_[i].index) + " " + text(entries_[i].corners) +
+        refuse("boundary triangle " + std::to_string(entries_[i].index) + " " +
+               corners_text(entries_[i].corners) +
                " is neither on the outside of the tetrahedra nor between two labels; remove it");
   }
 
@@ -190,11 +178,11 @@ struct TetMesh::Assembly {
       const TetId t(run[0].ref >> 2), u(run[1].ref >> 2);
       const int f = static_cast<int>(run[0].ref & 3u), g = static_cast<int>(run[1].ref & 3u);
       if (run.size() > 2)
-        out.push_back("face " + text(run[0].corners) + " belongs to " + std::to_string(run.size()) +
+        out.push_back("face " + corners_text(run[0].corners) + " belongs to " + std::to_string(run.size()) +
                       " tetrahedra, such as " + std::to_string(t.value) + " and " + std::to_string(u.value));
-      else if (!opposite_sides(mesh.face_corners(t, f), mesh.face_corners(u, g)))
+      else if (!are_opposite_sides(mesh.face_corners(t, f), mesh.face_corners(u, g)))
         out.push_back("tetrahedra " + std::to_string(t.value) + " and " + std::to_string(u.value) +
-                      " lie on the same side of their common face " + text(run[0].corners));
+                      " lie on the same side of their common face " + corners_text(run[0].corners));
       mesh.set_link(t, f, FaceLink::to(u, g));
       mesh.set_link(u, g, FaceLink::to(t, f));
     });
@@ -229,8 +217,8 @@ struct TetMesh::Assembly {
     const std::size_t missing = first_failing(open_faces.size(), unknown);
     if (missing != kNothing) {
       const OpenFace& open = open_faces[missing];
-      const std::string face = "face " + text(mesh.face_corners(open.tet, open.face)) + " of tetrahedron " +
-                               std::to_string(open.tet.value);
+      const std::string face = "face " + corners_text(mesh.face_corners(open.tet, open.face)) +
+                               " of tetrahedron " + std::to_string(open.tet.value);
       if (open.patch < 0)
         refuse(face + " is on the boundary but has no patch; add a boundary triangle there");
       refuse(face + " has patch " + std::to_string(open.patch) + " but there are " + std::to_string(patches));

@@ -2,6 +2,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/predicates.hpp"
+#include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "validate_impl.hpp"
 
@@ -10,7 +11,6 @@ namespace {
 
 using detail::check_each;
 using detail::Findings;
-using detail::list_of;
 using detail::NoScratch;
 
 std::string name(VertexId v) {
@@ -47,14 +47,8 @@ void check_tets(const TetMesh& mesh, ValidationReport& report) {
       if (!mesh.corner(t, i).allFinite()) return;  // Reported with the vertex.
     const int sign = orient3d(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3));
     if (sign <= 0)
-      findings.add(name(t) + " " + list_of(mesh.tet(t)) + (sign == 0 ? " is flat" : " is inverted"));
+      findings.add(name(t) + " " + corners_text(mesh.tet(t)) + (sign == 0 ? " is flat" : " is inverted"));
   });
-}
-
-bool same_face_from_other_side(const Cell<3>& a, const Cell<3>& b) {
-  for (int i = 0; i < 3; ++i)
-    if (a[0] == b[i]) return a[1] == b[(i + 2) % 3] && a[2] == b[(i + 1) % 3];
-  return false;
 }
 
 void check_face(const TetMesh& mesh, TetId t, int face, Findings& findings) {
@@ -75,9 +69,9 @@ void check_face(const TetMesh& mesh, TetId t, int face, Findings& findings) {
   if (mesh.link(u, link.face()) != FaceLink::to(t, face))
     findings.add(face_name(t, face) + " is linked to " + face_name(u, link.face()) +
                  ", which is not linked back");
-  if (!same_face_from_other_side(mesh.face_corners(t, face), mesh.face_corners(u, link.face())))
-    findings.add(face_name(t, face) + " " + list_of(mesh.face_corners(t, face)) + " does not match " +
-                 face_name(u, link.face()) + " " + list_of(mesh.face_corners(u, link.face())));
+  if (!are_opposite_sides(mesh.face_corners(t, face), mesh.face_corners(u, link.face())))
+    findings.add(face_name(t, face) + " " + corners_text(mesh.face_corners(t, face)) + " does not match " +
+                 face_name(u, link.face()) + " " + corners_text(mesh.face_corners(u, link.face())));
   if (mesh.label(t) == mesh.label(u)) {
     if (behind.valid()) findings.add(face_name(t, face) + " lies within one label but has a patch");
   } else if (!behind.valid() || behind.value >= mesh.info().patches.size()) {

@@ -49,13 +49,6 @@ void check_each(ValidationReport& report, std::size_t count, const Check& check)
 
 struct NoScratch {};
 
-template <std::size_t N>
-std::string list_of(const Cell<N>& vertices) {
-  std::string list = "(";
-  for (const std::uint32_t v : vertices) list += (list.size() > 1 ? ", " : "") + std::to_string(v);
-  return list + ")";
-}
-
 /// Surfaces, topology and volumes of the labels. Needs sound vertices and adjacency.
 void check_label_surfaces(const TetMesh& mesh, ValidationReport& report);
 

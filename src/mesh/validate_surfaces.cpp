@@ -50,7 +50,7 @@ void check_unlinked(const std::vector<SurfaceFace>& faces, ValidationReport& rep
   for (std::size_t i = 1; i < outside.size(); ++i)
     if (outside[i].first == outside[i - 1].first)
       findings.add("tetrahedra " + std::to_string(outside[i - 1].second) + " and " +
-                   std::to_string(outside[i].second) + " share face " + list_of(outside[i].first) +
+                   std::to_string(outside[i].second) + " share face " + corners_text(outside[i].first) +
                    " but are not linked");
   merge(report, findings);
 }
@@ -81,8 +81,9 @@ void join_at_edges(const std::vector<SurfaceFace>& faces, DisjointSets& surfaces
     const auto& [label, side] = edge[0];
     --entry_of(report, label).surface_euler;
     if (edge.size() != 2) {
-      findings.add("edge " + list_of(Cell<2>{side.low, side.high}) + " has " + std::to_string(edge.size()) +
-                   " faces on the surface of label " + std::to_string(label) + " instead of 2");
+      findings.add("edge " + corners_text(Cell<2>{side.low, side.high}) + " has " +
+                   std::to_string(edge.size()) + " faces on the surface of label " + std::to_string(label) +
+                   " instead of 2");
       return;
     }
     const TriangleSide& other = edge[1].side;
@@ -180,8 +181,8 @@ void check_crossings(const TetMesh& mesh, const std::vector<SurfaceFace>& faces,
   Findings findings;
   for (const SelfCrossing& crossing : find_self_crossings(points, outside))
     findings.add(fmt::format("the outside crosses or touches itself at {}: faces {} and {}",
-                             coordinates_text(crossing.place), list_of(outside[crossing.first]),
-                             list_of(outside[crossing.second])));
+                             coordinates_text(crossing.place), corners_text(outside[crossing.first]),
+                             corners_text(outside[crossing.second])));
   if (findings.count == 0 && report.ok())
     for (const Vec3& place : find_doubled_places(points, outside))
       findings.add("at " + coordinates_text(place) + " the mesh lies within itself");

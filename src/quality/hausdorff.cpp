@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 #include "nearby.hpp"
 #include "on_planes.hpp"
 #include "samples.hpp"
@@ -96,12 +97,10 @@ DistanceSummary image_to_mesh(const Scene& scene, const TriangleTree& surface,
 
 std::vector<Vec3> used_points(const Scene& scene, std::span<const Vec3> points,
                               std::span<const Cell<3>> triangles) {
-  std::vector<char> used(points.size(), 0);
-  for (const Cell<3>& triangle : triangles)
-    for (const std::uint32_t v : triangle) used[v] = 1;
+  const std::vector<std::uint8_t> used = points_in_use(points.size(), triangles);
   std::vector<Vec3> result;
   for (std::size_t v = 0; v < points.size(); ++v)
-    if (used[v] && !scene.planes.contain({points[v]})) result.push_back(points[v]);
+    if (used[v] != 0 && !scene.planes.contain({points[v]})) result.push_back(points[v]);
   return result;
 }
 

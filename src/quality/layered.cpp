@@ -11,6 +11,7 @@
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/all_cells.hpp"
+#include "lumesh/mesh/cell_corners.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {
@@ -55,14 +56,9 @@ void add_corner(const Vec3& at, const std::array<Vec3, 3>& ends, FlatTally& tall
   }
 }
 
-using Edge = std::array<int, 2>;
-constexpr std::array<Edge, 8> kPyramidEdges = {
-    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
-constexpr std::array<Edge, 9> kPrismEdges = {
-    {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
-
 template <std::size_t N>
-double longest_of(std::span<const Edge> edges, std::span<const Vec3> points, const Cell<N>& cell) {
+double longest_of(std::span<const std::array<int, 2>> edges, std::span<const Vec3> points,
+                  const Cell<N>& cell) {
   double longest = 0;
   for (const auto& [a, b] : edges)
     longest = std::max(

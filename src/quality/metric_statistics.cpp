@@ -130,10 +130,9 @@ void count_edge(MetricStatistics& tally, double length) {
 std::vector<std::uint8_t> boundary_points(const MeshView& mesh) {
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) return {};
   std::vector<std::uint8_t> on_boundary(mesh.points.size(), 0);
-  for (const Cell<3>& face : mesh.triangles)
+  for_each_patch_face(mesh, [&](const auto& face, std::int32_t) {
     for (const std::uint32_t v : face) on_boundary[v] = 1;
-  for (const Cell<4>& face : mesh.quadrilaterals)
-    for (const std::uint32_t v : face) on_boundary[v] = 1;
+  });
   return on_boundary;
 }
 

@@ -132,26 +132,16 @@ class PiecePlaces {
     for (std::size_t v = 0; v < points.size(); ++v) points[v] = image_.frame().to_index(mesh_.points[v]);
     for (std::size_t cell = 0; cell < cells_.size(); ++cell)
       if (cell_pieces_.piece[cell] != kNoPiece)
-        for_each_tetrahedron(mesh_, cells_, cell, points,
-                             [&](const RowsOfTetrahedron& rows) { link_rows(rows, cell); });
+        for_each_tetrahedron(mesh_, cells_, cell, points, [&](const RowsOfTetrahedron& rows) {
+          for_each_held_run(rows, voxels_.runs(), [&](std::size_t r, std::int32_t begin, std::int32_t end) {
+            if (image_.values()[voxels_.runs().runs[r].label] == cells_.label(cell))
+              link_run(r, begin, end, cell);
+          });
+        });
   }
 
-  void link_rows(const RowsOfTetrahedron& rows, std::size_t cell) {
-    const image::RunImage& runs = voxels_.runs();
-    for (int k = std::max(0, rows.first(2)); k <= std::min(runs.size.z() - 1, rows.last(2)); ++k)
-      for (int j = std::max(0, rows.first(1)); j <= std::min(runs.size.y() - 1, rows.last(1)); ++j) {
-        const image::Run held = rows.in_row(j, k);
-        const std::span<const image::Run> row = runs.of_row(runs.row(j, k));
-        auto run = std::partition_point(row.begin(), row.end(),
-                                        [&](const image::Run& r) { return r.end <= held.begin; });
-        for (; run != row.end() && run->begin < held.end; ++run)
-          if (image_.values()[run->label] == cells_.label(cell))
-            link_run(static_cast<std::size_t>(&*run - runs.runs.data()), held, cell);
-      }
-  }
-
-  void link_run(std::size_t r, const image::Run& held, std::size_t cell) {
-    const image::Run& run = voxels_.runs().runs[r];
+  /// @param begin, end  The voxels of the run that the cell holds.
+  void link_run(std::size_t r, std::int32_t begin, std::int32_t end, std::size_t cell) {
     const std::uint32_t voxel_piece = voxels_.piece_of_run(r), cell_piece = cell_pieces_.piece[cell];
     linked_.insert({voxel_piece, cell_piece});
     if (holds_[cell] == kNoPiece)
@@ -159,8 +149,8 @@ class PiecePlaces {
     else if (holds_[cell] != voxel_piece)
       joined_in_cells_.push_back({0, {holds_[cell], voxel_piece}, {cell, cell}});
     const std::size_t first = voxels_.first_number(r);
-    for (int i = std::max(run.begin, held.begin); i < std::min(run.end, held.end); ++i) {
-      const std::size_t number = first + static_cast<std::size_t>(i - run.begin);
+    for (std::int32_t i = begin; i < end; ++i) {
+      const std::size_t number = first + static_cast<std::size_t>(i - voxels_.runs().runs[r].begin);
       if (held_by_[number] == kNoPiece)
         held_by_[number] = cell_piece;
       else if (held_by_[number] != cell_piece)

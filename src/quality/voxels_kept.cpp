@@ -34,31 +34,19 @@ class Marks {
     parallel::for_each_index(cells.size(), [&](std::size_t cell) {
       const Label label = cells.label(cell);
       for_each_tetrahedron(mesh, cells, cell, points_in_voxels,
-                           [&](const RowsOfTetrahedron& rows) { add_rows(rows, label); });
+                           [&](const RowsOfTetrahedron& rows) { mark(rows, label); });
     });
   }
 
  private:
-  void add_rows(const RowsOfTetrahedron& rows, Label label) {
-    const Index3& size = image_.frame().size;
-    for (int k = std::max(0, rows.first(2)); k <= std::min(size.z() - 1, rows.last(2)); ++k)
-      for (int j = std::max(0, rows.first(1)); j <= std::min(size.y() - 1, rows.last(1)); ++j)
-        mark(voxels_.runs().row(j, k), rows.in_row(j, k), label);
-  }
-
-  void mark(std::size_t row, const Run& held, Label label) {
-    if (held.begin >= held.end) return;
-    const std::span<const Run> runs = voxels_.runs().of_row(row);
-    auto run =
-        std::partition_point(runs.begin(), runs.end(), [&](const Run& r) { return r.end <= held.begin; });
-    for (; run != runs.end() && run->begin < held.end; ++run) {
-      if (run->label != 0 && image_.values()[run->label] != label) continue;
-      const std::size_t number =
-          voxels_.number_of(static_cast<std::size_t>(&*run - voxels_.runs().runs.data()));
-      const std::int32_t end = std::min(run->end, held.end);
-      for (std::int32_t i = std::max(run->begin, held.begin); i < end; ++i)
-        parallel::raise(marks_[number + static_cast<std::size_t>(i - run->begin)]);
-    }
+  void mark(const RowsOfTetrahedron& rows, Label label) {
+    for_each_held_run(rows, voxels_.runs(), [&](std::size_t r, std::int32_t begin, std::int32_t end) {
+      const Run& run = voxels_.runs().runs[r];
+      if (run.label != 0 && image_.values()[run.label] != label) return;
+      const std::size_t number = voxels_.number_of(r);
+      for (std::int32_t i = begin; i < end; ++i)
+        parallel::raise(marks_[number + static_cast<std::size_t>(i - run.begin)]);
+    });
   }
 
   const LabelImage& image_;

@@ -8,17 +8,11 @@
 #include <vector>
 
 #include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/mesh/cell_corners.hpp"
 #include "lumesh/quality/hausdorff.hpp"
 #include "lumesh/quality/statistics.hpp"
 
 namespace lumesh::report {
-
-inline constexpr std::array<std::array<int, 2>, 8> kPyramidEdges = {
-    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
-inline constexpr std::array<std::array<int, 2>, 9> kPrismEdges = {
-    {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
-inline constexpr std::array<std::array<int, 2>, 12> kHexahedronEdges = {
-    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
 /// Mean ratio of a tetrahedron, scaled Jacobian of another cell.
 [[nodiscard]] inline double cell_quality(std::span<const Vec3> points, const Cell<4>& v) {

@@ -152,14 +152,11 @@ CutView choose_view(const MeshView& mesh, const MeshSurface& surface, CutDirecti
 void add_surface_behind(const MeshView& mesh, const MeshSurface& surface, const CutView& view,
                         std::vector<ScreenTriangle>& out) {
   const Palette palette(mesh, surface);
-  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-    if (surface.labels[i][1] != quality::kOutside) continue;
-    const auto& [a, b, c] = surface.triangles[i];
-    const std::array<Vec3, 3> corners = {mesh.points[a], mesh.points[b], mesh.points[c]};
-    if (!in_view(view.camera, corners)) continue;
+  for_each_outer_triangle(mesh, surface, [&](std::size_t i, const std::array<Vec3, 3>& corners) {
+    if (!in_view(view.camera, corners)) return;
     add_polygon(view.camera, clip(corners, view.plane), triangle_normal(corners[0], corners[1], corners[2]),
                 softened(palette.of(surface.labels[i][0], surface.patches[i])), false, out);
-  }
+  });
 }
 
 ColourScale cut_scale(CutColours colours) {

@@ -127,24 +127,21 @@ std::string overlaid(std::span<const NamedEvaluation> meshes, const HistogramPlo
   return overlay_svg(named, plot);
 }
 
-Histogram all_of(const Histogram& histogram) {
-  return histogram;
+/// The whole histograms of(evaluation). @param plot_of  plot_of(axis).
+template <class Of>
+std::string comparison(const std::string& title, std::span<const NamedEvaluation> meshes,
+                       HistogramPlot (*plot_of)(CountAxis), const Of& of) {
+  return section(title, both_axes([&](CountAxis counts) {
+                          return overlaid(meshes, plot_of(counts), of,
+                                          [](const Histogram& whole) { return whole; });
+                        }) + series_legend(meshes));
 }
 
 std::string metric_comparison(std::span<const NamedEvaluation> meshes) {
-  const std::string legend = series_legend(meshes);
-  return section("Edge lengths in the metric, compared",
-                 both_axes([&](CountAxis counts) {
-                   return overlaid(
-                       meshes, length_plot(counts),
-                       [](const Evaluation& e) -> const Histogram& { return e.metric->edge_length; }, all_of);
-                 }) + legend) +
-         section("Mean ratio in the metric, compared",
-                 both_axes([&](CountAxis counts) {
-                   return overlaid(
-                       meshes, ratio_plot(counts),
-                       [](const Evaluation& e) -> const Histogram& { return e.metric->mean_ratio; }, all_of);
-                 }) + legend);
+  return comparison("Edge lengths in the metric, compared", meshes, length_plot,
+                    [](const Evaluation& e) -> const Histogram& { return e.metric->edge_length; }) +
+         comparison("Mean ratio in the metric, compared", meshes, ratio_plot,
+                    [](const Evaluation& e) -> const Histogram& { return e.metric->mean_ratio; });
 }
 
 }  // namespace
@@ -164,7 +161,6 @@ std::string comparison_plots_html(std::span<const NamedEvaluation> meshes) {
     if (mesh.evaluation->metric) with_metric.push_back(mesh);
   }
   if (with_tetrahedra.size() < 2) return "";
-  const std::string legend = series_legend(with_tetrahedra);
   std::string html = section(
       "Dihedral angles, compared",
       angle_plots([&](double low, double high, const HistogramPlot& plot) {
@@ -172,16 +168,11 @@ std::string comparison_plots_html(std::span<const NamedEvaluation> meshes) {
             with_tetrahedra, plot,
             [](const Evaluation& e) -> const Histogram& { return e.statistics.tetrahedra.dihedral_deg; },
             [&](const Histogram& whole) { return zoomed(whole, low, high); });
-      }) + legend +
+      }) + series_legend(with_tetrahedra) +
           "<p class=\"note\">In per cent of all angles of each mesh.</p>");
-  html += section("Mean ratio, compared", both_axes([&](CountAxis counts) {
-                                            return overlaid(
-                                                with_tetrahedra, ratio_plot(counts),
-                                                [](const Evaluation& e) -> const Histogram& {
-                                                  return e.statistics.tetrahedra.mean_ratio;
-                                                },
-                                                all_of);
-                                          }) + legend);
+  html +=
+      comparison("Mean ratio, compared", with_tetrahedra, ratio_plot,
+                 [](const Evaluation& e) -> const Histogram& { return e.statistics.tetrahedra.mean_ratio; });
   if (with_metric.size() >= 2) html += metric_comparison(with_metric);
   return html;
 }

@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "lumesh/mesh/patch_list.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 
 namespace lumesh::report {
 
 namespace {
 
-using quality::kOutside;
 using quality::MeshSurface;
 
 constexpr std::size_t kMostLegendItems = 60;
@@ -110,13 +110,10 @@ Colour softened(Colour c) {
 }
 
 std::vector<Vec3> surface_points(const MeshView& mesh, const MeshSurface& surface) {
-  std::vector<char> used(mesh.points.size(), 0);
-  for (std::size_t i = 0; i < surface.triangles.size(); ++i)
-    if (surface.labels[i][1] == kOutside)
-      for (const std::uint32_t v : surface.triangles[i]) used[v] = 1;
+  const std::vector<std::uint8_t> used = points_in_use(mesh.points.size(), surface.outer());
   std::vector<Vec3> points;
   for (std::size_t v = 0; v < used.size(); ++v)
-    if (used[v]) points.push_back(mesh.points[v]);
+    if (used[v] != 0) points.push_back(mesh.points[v]);
   return points;
 }
 

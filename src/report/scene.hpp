@@ -1,6 +1,7 @@
 #pragma once
 /// @file What all pictures of meshes have in common: colours, points of the surface, polygons on the screen.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -45,6 +46,16 @@ class Palette {
 [[nodiscard]] CutOptions cut_options(const MeshView& mesh, const PictureOptions& options,
                                      std::uint64_t enlarge_to_cells = 0);
 inline constexpr std::uint64_t kCellsOfEnlargedCut = 1200;  ///< So that each can be seen.
+
+/// Calls visit(index, corners) for the triangles against the outside.
+template <class Visit>
+void for_each_outer_triangle(const MeshView& mesh, const quality::MeshSurface& surface, const Visit& visit) {
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    const auto& [a, b, c] = surface.triangles[i];
+    if (surface.labels[i][1] == quality::kOutside)
+      visit(i, std::array<Vec3, 3>{mesh.points[a], mesh.points[b], mesh.points[c]});
+  }
+}
 
 /// Points of the triangles against the outside, each once, ascending.
 [[nodiscard]] std::vector<Vec3> surface_points(const MeshView& mesh, const quality::MeshSurface& surface);

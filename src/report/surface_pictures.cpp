@@ -6,7 +6,7 @@
 #include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 #include "lumesh/quality/curvature.hpp"
 #include "name_labels.hpp"
 #include "scene.hpp"
@@ -21,20 +21,26 @@ using quality::MeshSurface;
 /// Colours that stand for numbers must not change with the light.
 enum class Finish : std::uint8_t { kLit, kMatt };
 
+/// Calls visit(triangle index, corners, normal) for the outer triangles that face the viewer.
+template <class Visit>
+void for_each_facing(const MeshView& mesh, const MeshSurface& surface, const Camera& camera,
+                     const Visit& visit) {
+  for_each_outer_triangle(mesh, surface, [&](std::size_t i, const std::array<Vec3, 3>& corners) {
+    const Vec3 normal = triangle_normal(corners[0], corners[1], corners[2]);
+    if (normal.dot(camera.toward) > 0) visit(i, corners, normal);  // A closed surface hides its far side.
+  });
+}
+
 /// The outer triangles that face the viewer, in the colours colour_of(triangle index), in light and shade or
 /// matt.
 template <class ColourOf>
 std::vector<ScreenTriangle> facing_triangles(const MeshView& mesh, const MeshSurface& surface,
                                              const Camera& camera, Finish finish, const ColourOf& colour_of) {
   std::vector<ScreenTriangle> triangles;
-  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-    if (surface.labels[i][1] != quality::kOutside) continue;
-    const auto& [a, b, c] = surface.triangles[i];
-    const std::array<Vec3, 3> corners = {mesh.points[a], mesh.points[b], mesh.points[c]};
-    const Vec3 normal = triangle_normal(corners[0], corners[1], corners[2]);
-    if (normal.dot(camera.toward) <= 0) continue;  // A closed surface hides its far side.
-    add_polygon(camera, corners, normal, colour_of(i), finish == Finish::kMatt, triangles);
-  }
+  for_each_facing(mesh, surface, camera,
+                  [&](std::size_t i, const std::array<Vec3, 3>& corners, const Vec3& normal) {
+                    add_polygon(camera, corners, normal, colour_of(i), finish == Finish::kMatt, triangles);
+                  });
   return triangles;
 }
 
@@ -130,17 +136,10 @@ double enclosed_volume(const MeshView& mesh) {
 }
 
 double volume_of_tetrahedra(const MeshView& mesh) {
-  return parallel::reduce_blocks(
-      mesh.tetrahedra.size(), 8192, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-          const auto& [a, b, c, d] = mesh.tetrahedra[i];
-          sum += tetrahedron_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]);
-        }
-        return sum;
-      },
-      [](double a, double b) { return a + b; });
+  return parallel::sum<double>(mesh.tetrahedra.size(), 8192, [&](std::size_t i) {
+    const auto& [a, b, c, d] = mesh.tetrahedra[i];
+    return tetrahedron_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]);
+  });
 }
 
 /// Where the scale of curvature ends: area / volume, or if there is no volume the 98th percentile of its
@@ -148,14 +147,10 @@ double volume_of_tetrahedra(const MeshView& mesh) {
 double curvature_end(const MeshView& mesh, const MeshSurface& surface,
                      const quality::WallCurvature& curvature) {
   double area = 0, six_volumes = 0;
-  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-    if (surface.labels[i][1] != quality::kOutside) continue;
+  for_each_outer_triangle(mesh, surface, [&](std::size_t, const std::array<Vec3, 3>& corners) {
     const Vec3& origin = mesh.points[surface.triangles[0][0]];
-    const Vec3 a = mesh.points[surface.triangles[i][0]] - origin,
-               b = mesh.points[surface.triangles[i][1]] - origin,
-               c = mesh.points[surface.triangles[i][2]] - origin;
-    six_volumes += a.cross(b).dot(c);
-  }
+    six_volumes += (corners[0] - origin).cross(corners[1] - origin).dot(corners[2] - origin);
+  });
   for (const double part : curvature.area_mm2) area += part;
   if (six_volumes > 0 && area > 0) return 6 * area / six_volumes;
   const quality::CurvatureSummary summary = quality::summarise(curvature);
@@ -193,24 +188,21 @@ std::vector<ScreenTriangle> curvature_triangles(const MeshView& mesh, const Mesh
                                                 const quality::WallCurvature& curvature, const Camera& camera,
                                                 const DivergingColours& colours) {
   std::vector<ScreenTriangle> triangles;
-  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-    if (surface.labels[i][1] != quality::kOutside) continue;
-    const Cell<3>& ids = surface.triangles[i];
-    const std::array<Vec3, 3> corners = {mesh.points[ids[0]], mesh.points[ids[1]], mesh.points[ids[2]]};
-    const Vec3 normal = triangle_normal(corners[0], corners[1], corners[2]);
-    if (normal.dot(camera.toward) <= 0) continue;
-    const double mean = curvature_of(ids, curvature);
-    const double pixels =
-        triangle_area(corners[0], corners[1], corners[2]) * camera.pixels_per_mm * camera.pixels_per_mm;
-    if (std::isnan(mean) || pixels < 1) {
-      add_polygon(camera, corners, normal, colours.of(mean), true, triangles);
-      continue;
-    }
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const double own = curvature.mean_per_mm[ids[corner]];
-      add_corner(camera, corners, corner, normal, colours.of(std::isnan(own) ? mean : own), triangles);
-    }
-  }
+  for_each_facing(
+      mesh, surface, camera, [&](std::size_t i, const std::array<Vec3, 3>& corners, const Vec3& normal) {
+        const Cell<3>& ids = surface.triangles[i];
+        const double mean = curvature_of(ids, curvature);
+        const double pixels =
+            triangle_area(corners[0], corners[1], corners[2]) * camera.pixels_per_mm * camera.pixels_per_mm;
+        if (std::isnan(mean) || pixels < 1) {
+          add_polygon(camera, corners, normal, colours.of(mean), true, triangles);
+          return;
+        }
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+          const double own = curvature.mean_per_mm[ids[corner]];
+          add_corner(camera, corners, corner, normal, colours.of(std::isnan(own) ? mean : own), triangles);
+        }
+      });
   return triangles;
 }
 

@@ -36,14 +36,23 @@ void add_facet(const Camera& camera, const std::array<Vec3, 3>& corners, const V
   out.push_back(triangle);
 }
 
+/// A ring of corners, and the normals of the surface there.
+struct BandEnd {
+  Vec3 centre;
+  double radius_mm;
+  Ring directions, normals;
+};
+
 /// A band of facets from one ring to the next.
-void add_band(const Camera& camera, const std::array<Vec3, 2>& centres, const std::array<Ring, 2>& rings,
-              const std::array<double, 2>& radii_mm, Colour colour, std::vector<ScreenTriangle>& out) {
+void add_band(const Camera& camera, const BandEnd& from, const BandEnd& to, Colour colour,
+              std::vector<ScreenTriangle>& out) {
+  const auto corner = [](const BandEnd& end, std::size_t i) {
+    return Vec3(end.centre + end.radius_mm * end.directions[i]);
+  };
   for (std::size_t i = 0; i < kSides; ++i) {
     const std::size_t j = (i + 1) % kSides;
-    const Vec3 a = centres[0] + radii_mm[0] * rings[0][i], b = centres[0] + radii_mm[0] * rings[0][j],
-               c = centres[1] + radii_mm[1] * rings[1][j], d = centres[1] + radii_mm[1] * rings[1][i];
-    const Vec3 normal = (rings[0][i] + rings[0][j] + rings[1][i] + rings[1][j]).normalized();
+    const Vec3 a = corner(from, i), b = corner(from, j), c = corner(to, j), d = corner(to, i);
+    const Vec3 normal = (from.normals[i] + from.normals[j] + to.normals[i] + to.normals[j]).normalized();
     add_facet(camera, {a, b, c}, normal, colour, out);
     add_facet(camera, {a, c, d}, normal, colour, out);
   }
@@ -55,29 +64,17 @@ void add_ball(const Camera& camera, const Vec3& centre, double radius_mm, Colour
   constexpr int kBands = 8;
   Vec3 start = camera.right;
   const Ring equator = ring_across(camera.toward, start);
-  for (int band = 0; band < kBands; ++band) {
-    std::array<Vec3, 2> centres;
-    std::array<Ring, 2> normals;
-    std::array<double, 2> radii;
-    for (std::size_t end = 0; end < 2; ++end) {
-      // From the equator to the pole that faces the viewer; the other half is hidden.
-      const double angle =
-          std::numbers::pi / 2 * (band + static_cast<double>(end)) / static_cast<double>(kBands);
-      centres[end] = centre + radius_mm * std::sin(angle) * camera.toward;
-      radii[end] = radius_mm * std::cos(angle);
-      for (std::size_t i = 0; i < kSides; ++i)
-        normals[end][i] = std::cos(angle) * equator[i] + std::sin(angle) * camera.toward;
-    }
-    // Corners lie on the circles of latitude, normals stand on the ball.
-    for (std::size_t i = 0; i < kSides; ++i) {
-      const std::size_t j = (i + 1) % kSides;
-      const Vec3 a = centres[0] + radii[0] * equator[i], b = centres[0] + radii[0] * equator[j],
-                 c = centres[1] + radii[1] * equator[j], d = centres[1] + radii[1] * equator[i];
-      const Vec3 normal = (normals[0][i] + normals[0][j] + normals[1][i] + normals[1][j]).normalized();
-      add_facet(camera, {a, b, c}, normal, colour, out);
-      add_facet(camera, {a, c, d}, normal, colour, out);
-    }
-  }
+  // Corners lie on the circles of latitude, normals stand on the ball.
+  const auto latitude = [&](int band) {
+    const double angle = std::numbers::pi / 2 * band / static_cast<double>(kBands);
+    BandEnd end{
+        centre + radius_mm * std::sin(angle) * camera.toward, radius_mm * std::cos(angle), equator, {}};
+    for (std::size_t i = 0; i < kSides; ++i)
+      end.normals[i] = std::cos(angle) * equator[i] + std::sin(angle) * camera.toward;
+    return end;
+  };
+  // From the equator to the pole that faces the viewer; the other half is hidden.
+  for (int band = 0; band < kBands; ++band) add_band(camera, latitude(band), latitude(band + 1), colour, out);
 }
 
 }  // namespace
@@ -96,8 +93,8 @@ void add_tube(const Camera& camera, std::span<const Vec3> points, std::span<cons
     const Vec3 tangent = along.norm() > 0 ? Vec3(along.normalized()) : camera.right;
     const Ring ring = ring_across(tangent, first_direction);
     if (i > 0)
-      add_band(camera, {points[line[i - 1]], points[line[i]]}, {before, ring}, {radius_mm, radius_mm},
-               colour_of(line[i - 1]), out);
+      add_band(camera, {points[line[i - 1]], radius_mm, before, before},
+               {points[line[i]], radius_mm, ring, ring}, colour_of(line[i - 1]), out);
     before = ring;
   }
   add_ball(camera, points[line.front()], 1.4 * radius_mm, colour_of(line.front()), out);

@@ -11,7 +11,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/operators/settling.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
 
@@ -32,18 +32,10 @@ namespace {
 
 std::uint64_t count_to_refine(const TetMesh& mesh, const Sizing& sizing) {
   constexpr std::size_t kBlock = 4096;
-  return parallel::reduce_blocks<std::uint64_t>(
-      mesh.tet_count(), kBlock, 0,
-      [&](std::size_t begin, std::size_t end) {
-        std::uint64_t count = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-          const TetId t(static_cast<std::uint32_t>(i));
-          count += sizing.wants_finer(
-              {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)});
-        }
-        return count;
-      },
-      [](std::uint64_t a, std::uint64_t b) { return a + b; });
+  return parallel::sum<std::uint64_t>(mesh.tet_count(), kBlock, [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    return sizing.wants_finer({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)});
+  });
 }
 
 /// Improvement makes nothing that a criterion would refine.

@@ -122,6 +122,12 @@ std::vector<VesselEnd> vessel_ends(const LabelImage& image, std::span<const CutP
 
 namespace {
 
+/// @param of_what  " of the surface", or nothing.
+std::string only_opening(const std::string& name, std::string_view of_what) {
+  return fmt::format("\"{}\" is the only opening{}, and nothing flows through a vessel with one; ", name,
+                     of_what);
+}
+
 const VesselEnd* first_to_cut(std::span<const VesselEnd> ends) {
   const auto first =
       std::find_if(ends.begin(), ends.end(), [](const VesselEnd& end) { return end.cut_mm.has_value(); });
@@ -161,10 +167,8 @@ std::string closed_vessel_warning(const LabelImage& image, std::span<const CutPl
   const std::vector<VesselEnd> ends = vessel_ends(image, cuts, openings, 1, context);
   if (ends.empty()) return "";
   const std::string begin =
-      (names.empty()
-           ? "no vessel leaves the image, so the mesh has no openings; "
-           : fmt::format("\"{}\" is the only opening, and nothing flows through a vessel with one; ",
-                         names.front().empty() ? "inlet_1" : names.front())) +
+      (names.empty() ? "no vessel leaves the image, so the mesh has no openings; "
+                     : only_opening(names.front().empty() ? "inlet_1" : names.front(), "")) +
       counted(ends.size(), "ends", "end") + " inside: ";
   const VesselEnd* const to_cut = first_to_cut(ends);
   if (to_cut == nullptr)
@@ -186,15 +190,15 @@ std::string closed_surface_warning(std::span<const Patch> patches, std::span<con
   const bool is_one_end = openings.size() == 1 && ends.size() == 1 && ends.front().name == *openings.begin();
   if (!openings.empty() && !is_one_end) return "";
   if (openings.size() == 1)
-    return fmt::format(
-        "\"{}\" is the only opening of the surface, and nothing flows through a vessel with one; an end that "
-        "is rounded, or cut off obliquely, is taken as wall: cut it off with {}, or give a smaller {}",
-        *openings.begin(), option_name("cut_at"), option_name("feature_angle"));
+    return only_opening(*openings.begin(), " of the surface") +
+           fmt::format(
+               "an end that is rounded, or cut off obliquely, is taken as wall: cut it off with {}, or "
+               "give a smaller {}",
+               option_name("cut_at"), option_name("feature_angle"));
   if (names.size() > 1)
     return fmt::format(
         "none of the surface's {} patches is a flat end, so the mesh has no openings; give flat ends patches "
-        "of "
-        "their own, or all triangles one patch, or cut the vessels off with {}",
+        "of their own, or all triangles one patch, or cut the vessels off with {}",
         names.size(), option_name("cut_at"));
   return "the surface has no flat end, so the mesh has no openings; cut the vessels off flat before, with "
          "edges around the ends that are sharper than `feature_angle`, or mesh their image with `cut_at`";

@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -29,24 +30,18 @@ std::vector<std::uint32_t> first_equal(std::span<const Vec3> points) {
 
 TriangleMesh weld(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
                   std::span<const std::int32_t> patches) {
-  constexpr std::uint32_t kUnused = ~0U;
   const std::vector<std::uint32_t> first = first_equal(points);
-  std::vector<std::uint32_t> number(points.size(), kUnused);
+  PointNumbers numbers(points.size());
   TriangleMesh surface;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     Cell<3> corners{};
     for (std::size_t i = 0; i < 3; ++i) corners[i] = first[triangles[t][i]];
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
-    for (std::uint32_t& v : corners) {
-      if (number[v] == kUnused) {
-        number[v] = static_cast<std::uint32_t>(surface.points.size());
-        surface.points.push_back(points[v]);
-      }
-      v = number[v];
-    }
+    for (std::uint32_t& v : corners) v = numbers.of(v);
     surface.triangles.push_back(corners);
     surface.patches.push_back(patches.empty() ? 0 : patches[t]);
   }
+  surface.points = numbers.places(points);
   return surface;
 }
 

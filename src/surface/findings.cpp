@@ -14,6 +14,7 @@
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 
 namespace lumesh::surfaces {
@@ -68,9 +69,7 @@ class SurfaceCheck {
   /// Triangles that are there twice are looked at once from here on.
   void look_at_doubles() {
     Finding points = remark("duplicate_points", "points at the place of another; they count as one");
-    std::vector<std::uint8_t> is_used(given_points_.size(), 0);
-    for (const Cell<3>& t : given_triangles_)
-      for (const std::uint32_t v : t) is_used[v] = 1;
+    const std::vector<std::uint8_t> is_used = points_in_use(given_points_.size(), given_triangles_);
     const auto used = static_cast<std::uint64_t>(std::count(is_used.begin(), is_used.end(), 1));
     points.count = used - std::min<std::uint64_t>(used, surface_.points.size());
     keep(std::move(points));

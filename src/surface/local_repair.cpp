@@ -3,10 +3,12 @@
 #include <numeric>
 #include <utility>
 
+#include "lumesh/core/drop_marked.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/surface/closing.hpp"
@@ -102,16 +104,8 @@ class LocalRepair {
   }
 
   void remove(const std::vector<std::uint8_t>& is_bad) {
-    std::size_t kept = 0;
-    for (std::size_t t = 0; t < origin_.size(); ++t) {
-      if (is_bad[t] != 0) continue;
-      surface_.triangles[kept] = surface_.triangles[t];
-      surface_.patches[kept] = surface_.patches[t];
-      origin_[kept++] = origin_[t];
-    }
-    surface_.triangles.resize(kept);
-    surface_.patches.resize(kept);
-    origin_.resize(kept);
+    drop_triangles(surface_, is_bad);
+    drop_marked(is_bad, origin_);
   }
   void leave_out(const std::vector<std::uint32_t>& triangles, std::vector<std::uint8_t>& is_bad) {
     for (const std::uint32_t t : triangles) {
@@ -265,9 +259,7 @@ class LocalRepair {
   [[nodiscard]] Topology topology() const {
     TriangleMesh copy = surface_;
     const Parts parts = turn_alike(copy);
-    std::vector<std::uint8_t> is_used(surface_.points.size(), 0);
-    for (const Cell<3>& t : surface_.triangles)
-      for (const std::uint32_t v : t) is_used[v] = 1;
+    const std::vector<std::uint8_t> is_used = points_in_use(surface_.points.size(), surface_.triangles);
     std::int64_t edges = 0;
     for_each_edge(sorted_sides(surface_.triangles), [&](std::span<const TriangleSide>) { ++edges; });
     const auto rims = static_cast<std::int64_t>(find_rims(surface_).size());

@@ -23,6 +23,7 @@
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/planar_patch.hpp"
 #include "plane_slide.hpp"
 #include "triangle_part.hpp"
@@ -263,18 +264,6 @@ double area_of(const TriangleMesh& surface, std::span<const std::uint8_t> mark, 
   return area;
 }
 
-/// Leaves out triangles, and what they alone use.
-void keep_triangles(TriangleMesh& surface, const std::vector<std::uint8_t>& goes) {
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    if (goes[t] == 0) {
-      surface.triangles[kept] = surface.triangles[t];
-      surface.patches[kept++] = surface.patches[t];
-    }
-  surface.triangles.resize(kept);
-  surface.patches.resize(kept);
-}
-
 void drop_unused_points(TriangleMesh& surface) {
   surface = weld(surface.points, surface.triangles, surface.patches);
 }
@@ -374,7 +363,7 @@ class EndCut {
         goes_ == CutPart::kAbove || area_of(mesh, part, kAbove) <= area_of(mesh, part, kBelow);
     normal_ = above_goes ? plane_.normal : Vec3(-plane_.normal);
     for (std::uint8_t& mark : part) mark = mark == (above_goes ? kAbove : kBelow) ? 1 : 0;
-    keep_triangles(mesh, part);
+    drop_triangles(mesh, part);
   }
 
   TriangleMesh& surface_;
@@ -402,7 +391,7 @@ std::int32_t cut_off_beyond(TriangleMesh& surface, const SectionPlane& plane, st
                                     triangle_area_normal(p[a], p[b], p[c]).dot(plane.normal) < 0;
     goes[t] = divided.sides[t] == DividedSurface::Side::kAbove || ends_what_is_above ? 1 : 0;
   }
-  keep_triangles(divided.mesh, goes);
+  drop_triangles(divided.mesh, goes);
   if (divided.mesh.triangles.empty())
     refuse_cut("nothing of the surface is left behind the plane at " + place_text(plane.point_mm) +
                "; what lies on the normal's side is cut off");

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "lumesh/geometry/tetrahedron.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::surfaces {
 
@@ -27,20 +27,13 @@ std::vector<Shell> shells_of(std::span<const Vec3> points, std::span<const Cell<
     shell.volume_mm3 += tetrahedron_volume(shell.place_mm, points[a], points[b], points[c]);
   }
   for (std::uint32_t s = 0; parts.count > 1 && s < parts.count; ++s) {
-    const double depth = parallel::reduce_blocks(
-        triangles.size(), 4096, 0.0,
-        [&](std::size_t begin, std::size_t end) {
-          double sum = 0;
-          for (std::size_t t = begin; t < end; ++t) {
-            const std::uint32_t other = parts.of_triangle[t];
-            if (other == s) continue;
-            const double share = share_of_view(points[triangles[t][0]], points[triangles[t][1]],
-                                               points[triangles[t][2]], shells[s].place_mm);
-            sum += share * (shells[other].volume_mm3 > 0 ? 1 : -1);
-          }
-          return sum;
-        },
-        [](double a, double b) { return a + b; });
+    const auto depth = parallel::sum<double>(triangles.size(), 4096, [&](std::size_t t) {
+      const std::uint32_t other = parts.of_triangle[t];
+      if (other == s) return 0.0;
+      const double share = share_of_view(points[triangles[t][0]], points[triangles[t][1]],
+                                         points[triangles[t][2]], shells[s].place_mm);
+      return share * (shells[other].volume_mm3 > 0 ? 1 : -1);
+    });
     shells[s].depth = static_cast<int>(std::lround(depth));
   }
   return shells;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lumesh/core/drop_marked.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -106,18 +107,15 @@ std::vector<std::uint32_t> duplicate_triangles(std::span<const Cell<3>> triangle
   return doubles;
 }
 
-void without_triangles(TriangleMesh& surface, std::span<const std::uint32_t> ascending) {
-  std::size_t kept = 0, next = 0;
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (next < ascending.size() && ascending[next] == t) {
-      ++next;
-      continue;
-    }
-    surface.triangles[kept] = surface.triangles[t];
-    surface.patches[kept++] = surface.patches[t];
-  }
-  surface.triangles.resize(kept);
-  surface.patches.resize(kept);
+void drop_triangles(TriangleMesh& surface, std::span<const std::uint8_t> goes) {
+  drop_marked(goes, surface.triangles);
+  drop_marked(goes, surface.patches);
+}
+
+void without_triangles(TriangleMesh& surface, std::span<const std::uint32_t> triangles) {
+  std::vector<std::uint8_t> goes(surface.triangles.size(), 0);
+  for (const std::uint32_t t : triangles) goes[t] = 1;
+  drop_triangles(surface, goes);
 }
 
 bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {

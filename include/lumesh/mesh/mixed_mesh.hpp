@@ -73,6 +73,15 @@ struct MeshView {
   }
 };
 
+/// Calls visit(corners, patch) for every triangle, then for every quadrilateral of the patches: a Cell<3> or
+/// Cell<4>.
+template <class Mesh, class Visit>
+void for_each_patch_face(const Mesh& mesh, const Visit& visit) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) visit(mesh.triangles[t], mesh.triangle_patches[t]);
+  for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q)
+    visit(mesh.quadrilaterals[q], mesh.quadrilateral_patches[q]);
+}
+
 /// Calls visit(corners, patch) for every triangle of the patches, and for the halves of every quadrilateral.
 template <class Visit>
 void for_each_patch_triangle(const MeshView& mesh, const Visit& visit) {

@@ -1,5 +1,5 @@
 #pragma once
-/// @file The corners of each shape of cell, and whether one is turned inside out.
+/// @file The corners and edges of each shape of cell, and whether a corner is turned inside out.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -35,6 +35,14 @@ inline constexpr std::array<LocalCorner, 8> kHexahedronCorners = {{{0, 1, 3, 4},
          : corners == 8 ? std::span<const LocalCorner>(kHexahedronCorners)
                         : std::span<const LocalCorner>(kTetrahedronCorners);
 }
+
+/// Edges by the places of their ends in the cell; kTetEdges are those of tetrahedra.
+inline constexpr std::array<std::array<int, 2>, 8> kPyramidEdges = {
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
+inline constexpr std::array<std::array<int, 2>, 9> kPrismEdges = {
+    {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
+inline constexpr std::array<std::array<int, 2>, 12> kHexahedronEdges = {
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
 /// Whether the edges at any corner span no positive volume: such a cell has a Jacobian that is not positive.
 [[nodiscard]] inline bool has_turned_corner(std::span<const Vec3> points,

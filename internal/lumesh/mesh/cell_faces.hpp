@@ -1,9 +1,10 @@
 #pragma once
-/// @file The faces of each shape of cell.
+/// @file The faces of each shape of cell, and what triangles among them are to each other.
 
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "lumesh/mesh/mixed_mesh.hpp"
@@ -36,6 +37,21 @@ inline constexpr std::array<LocalFace, 6> kHexFaces = {
   if (corners[1] > corners[2]) std::swap(corners[1], corners[2]);
   if (corners[0] > corners[1]) std::swap(corners[0], corners[1]);
   return corners;
+}
+
+/// Whether two triangles are one face as its two sides see it.
+[[nodiscard]] inline bool are_opposite_sides(const Cell<3>& a, const Cell<3>& b) {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (a[0] == b[i]) return a[1] == b[(i + 2) % 3] && a[2] == b[(i + 1) % 3];
+  return false;
+}
+
+/// "(3, 7, 12)", for messages.
+template <std::size_t N>
+[[nodiscard]] std::string corners_text(const Cell<N>& vertices) {
+  std::string list = "(";
+  for (const std::uint32_t v : vertices) list += (list.size() > 1 ? ", " : "") + std::to_string(v);
+  return list + ")";
 }
 
 }  // namespace lumesh

@@ -45,8 +45,10 @@ inline constexpr double kFoldCosine = -0.99984769515639127;
 /// The triangles that have the three corners of an earlier one, ascending.
 [[nodiscard]] std::vector<std::uint32_t> duplicate_triangles(std::span<const Cell<3>> triangles);
 
-/// Removes triangles. @param ascending  Their numbers. Points stay.
-void without_triangles(TriangleMesh& surface, std::span<const std::uint32_t> ascending);
+/// Removes triangles whose flag is not 0. Points stay.
+void drop_triangles(TriangleMesh& surface, std::span<const std::uint8_t> goes);
+/// The same by their numbers.
+void without_triangles(TriangleMesh& surface, std::span<const std::uint32_t> triangles);
 
 /// A vertex and as many triangles as form one fan there, of all that meet there.
 struct Fan {
