@@ -1,6 +1,4 @@
 
-#include <cmath>
-
 #include "tube.hpp"
 
 namespace lumesh::centerline {

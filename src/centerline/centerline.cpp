@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "inputs.hpp"
 #include "lines.hpp"
 #include "lumesh/core/error.hpp"

@@ -1,6 +1,5 @@
 #include "lines.hpp"
 
-#include <cmath>
 #include <map>
 
 #include "voxel_paths.hpp"

@@ -1,6 +1,5 @@
 #include "loops.hpp"
 
-#include <algorithm>
 #include <unordered_map>
 #include <unordered_set>
 

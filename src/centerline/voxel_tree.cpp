@@ -1,6 +1,5 @@
 #include "voxel_tree.hpp"
 
-#include <cmath>
 #include <numeric>
 #include <queue>
 

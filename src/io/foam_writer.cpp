@@ -4,9 +4,7 @@
 
 #include <deque>
 #include <iterator>
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 

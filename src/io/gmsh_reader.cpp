@@ -5,7 +5,6 @@
 #include <string>
 #include <unordered_map>
 #include <utility>
-#include <vector>
 
 #include "cell_blocks.hpp"
 #include "mesh_builder.hpp"

@@ -7,7 +7,6 @@
 
 #include "cell_blocks.hpp"
 #include "file_fault.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "output_file.hpp"

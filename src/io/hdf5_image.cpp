@@ -3,7 +3,6 @@
 #include <hdf5.h>
 
 #include <array>
-#include <utility>
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"

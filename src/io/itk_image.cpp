@@ -7,7 +7,6 @@
 #include <itkMetaDataObject.h>
 #include <itkNrrdImageIO.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <iostream>

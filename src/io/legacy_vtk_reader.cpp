@@ -3,7 +3,6 @@
 
 #include <bit>
 #include <charconv>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <string>

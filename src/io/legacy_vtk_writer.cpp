@@ -1,8 +1,6 @@
 // Legacy VTK, binary (big endian), file version 3.0, which every VTK and meshio read.
 #include <bit>
-#include <cstring>
 #include <string>
-#include <vector>
 
 #include "cell_blocks.hpp"
 #include "lumesh/core/assert.hpp"

@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cstdint>
-#include <string>
 
 #include "file_fault.hpp"
 #include "medit_bytes.hpp"

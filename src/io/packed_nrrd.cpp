@@ -1,7 +1,6 @@
 // The voxels of the NRRD files that most programs write, http://teem.sourceforge.net/nrrd/format.html.
 #include <libdeflate.h>
 
-#include <algorithm>
 #include <bit>
 #include <fstream>
 #include <iterator>

@@ -3,7 +3,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <memory>
 #include <string>
 
 #include "lumesh/core/assert.hpp"

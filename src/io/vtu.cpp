@@ -6,7 +6,6 @@
 
 #include "cell_blocks.hpp"
 #include "lumesh/core/assert.hpp"
-#include "lumesh/core/error.hpp"
 #include "mesh_formats.hpp"
 #include "metric_tensors.hpp"
 #include "vtk_xml_writer.hpp"

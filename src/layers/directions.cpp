@@ -1,7 +1,6 @@
 #include "directions.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "lumesh/geometry/triangle.hpp"

@@ -9,7 +9,6 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::detail {

@@ -1,10 +1,8 @@
 // Construction of a TetMesh from plain arrays: check, copy, link, patch, classify.
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
-#include <tuple>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/predicates.hpp"

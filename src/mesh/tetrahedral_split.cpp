@@ -1,7 +1,6 @@
 #include "lumesh/mesh/tetrahedral_split.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/mesh/cell_faces.hpp"

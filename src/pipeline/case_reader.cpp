@@ -8,7 +8,6 @@
 #include <toml++/toml.h>
 #pragma GCC diagnostic pop
 
-#include <cmath>
 #include <set>
 #include <sstream>
 

@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/parallel/ordered_tasks.hpp"
 #include "lumesh/stages/input_cuts.hpp"

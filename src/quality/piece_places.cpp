@@ -1,6 +1,5 @@
 // Pieces too many and too few, and where others are joined or split.
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 

@@ -1,6 +1,5 @@
 #include "lumesh/quality/reference.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -1,7 +1,5 @@
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/edge_key.hpp"

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 
 #include "cell_faces.hpp"
 #include "lumesh/core/disjoint_sets.hpp"

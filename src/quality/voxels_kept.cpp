@@ -1,6 +1,5 @@
 #include "lumesh/quality/voxels_kept.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "counted_voxels.hpp"

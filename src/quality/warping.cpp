@@ -1,9 +1,6 @@
 // Handles and cavities that differ, by warping (Jain et al. 2010, doi:10.1109/CVPR.2010.5539950).
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <map>
-#include <numeric>
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/grid.hpp"

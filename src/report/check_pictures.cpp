@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "checked_shape.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/report/check_report.hpp"
 #include "name_labels.hpp"

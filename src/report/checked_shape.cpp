@@ -1,6 +1,5 @@
 #include "checked_shape.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "lumesh/geometry/triangle.hpp"

@@ -1,8 +1,6 @@
 // Changes of voxels that users ask for, each of which is said.
 #include <fmt/core.h>
 
-#include <string>
-
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/image/topology.hpp"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/place_text.hpp"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <sstream>

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <memory>
-#include <utility>
 
 #include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"

@@ -10,7 +10,6 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"

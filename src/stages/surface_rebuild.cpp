@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/geometry/hilbert.hpp"

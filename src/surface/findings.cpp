@@ -5,12 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "lumesh/core/drop_marked.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/adjacency.hpp"
