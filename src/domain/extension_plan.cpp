@@ -15,10 +15,11 @@
 namespace lumesh {
 namespace {
 
-constexpr double kStump = 5;    // Layers of voxels beyond the end, by which the boundary goes on there.
-constexpr double kAir = 4;      // Voxels around an extension: as far as the functions of a field reach.
-constexpr double kCutAir = 2;   // The same of what its end cuts off, which has to leave others.
-constexpr double kApart = 2.5;  // Voxels between two vessels whose boundaries don't feel each other.
+constexpr double kStump = 5;          // Layers of voxels beyond the end, by which the boundary goes on there.
+constexpr double kAir = 4;            // Voxels around an extension: as far as the functions of a field reach.
+constexpr double kCutAir = 2;         // The same of what its end cuts off, which has to leave others.
+constexpr double kApart = 2.5;        // Voxels between two vessels whose boundaries don't feel each other.
+constexpr double kSamePlane = 0.999;  // Cosine between the normals of planes that count as one.
 
 class ExtensionPlanner {
  public:
@@ -37,6 +38,9 @@ class ExtensionPlanner {
     plan_.tubes.resize(plan_.groups.size());
     plan_.lengths_mm.resize(plan_.groups.size());
     radii_mm_.resize(plan_.groups.size());
+    find_directions();
+    find_gaps();
+    make_neighbours_parallel();
     for (std::size_t g = 0; g < plan_.groups.size(); ++g) add_tube(g);
     shorten_all();
     for (std::size_t g = 0; g < plan_.groups.size(); ++g) set_length(g, plan_.lengths_mm[g]);
@@ -64,40 +68,99 @@ class ExtensionPlanner {
     return length_wanted_mm(wanted_, names, radius_mm);
   }
 
-  void add_tube(std::size_t g) {
-    const OpeningGroup& group = plan_.groups[g];
-    const EndSection& section = group.section;
-    const Vec3& normal = section.plane.normal;
-    const Opening& main = main_opening(group);
-    VesselTube& tube = plan_.tubes[g];
-    Vec3 direction = normal;
-    const bool is_hollow = main.is_hollow();
-    const double radius_mm = main.lumen_radius_mm();
-    const bool is_wanted = wanted_mm(group, radius_mm) > 0;
-    if (is_wanted) {
-      constexpr double kLeastDepth = 3;     // Voxels.
-      constexpr double kRadiiOfHollow = 2;  // The places of thin walls are noisier.
-      const double depth_mm = (is_hollow ? kRadiiOfHollow : 1) * radius_mm;
-      const auto axis = end_axis(domain_, section, std::max(depth_mm, kLeastDepth * voxel_mm_));
-      if (axis)
-        direction = *axis;
+  [[nodiscard]] bool is_wanted(std::size_t g) const {
+    return wanted_mm(plan_.groups[g], main_opening(plan_.groups[g]).lumen_radius_mm()) > 0;
+  }
+
+  void find_directions() {
+    constexpr double kLeastDepth = 3;     // Voxels.
+    constexpr double kRadiiOfHollow = 2;  // The places of thin walls are noisier.
+    for (std::size_t g = 0; g < plan_.groups.size(); ++g) {
+      const EndSection& section = plan_.groups[g].section;
+      const Opening& main = main_opening(plan_.groups[g]);
+      directions_.push_back(section.plane.normal);
+      if (!is_wanted(g)) continue;
+      const double depth_mm = (main.is_hollow() ? kRadiiOfHollow : 1) * main.lumen_radius_mm();
+      if (const auto axis = end_axis(domain_, section, std::max(depth_mm, kLeastDepth * voxel_mm_)))
+        directions_[g] = *axis;
       else
         note(
             g,
-            "goes on square to its plane: the vessel forks, bulges or begins there, so that its direction is "
-            "not clear; cut it further inside with `cut_at`");
+            "goes on square to its plane: the vessel forks, bulges or begins there, or runs almost along the "
+            "plane, so that its direction is not clear; cut it further inside with `cut_at`");
     }
-    radii_mm_[g] = radius_mm * std::sqrt(direction.dot(normal));
-    const auto with_air = [&](double voxels) {
-      return section_of(openings_, plan_.groups, g, direction, voxels * voxel_mm_, voxel_mm_);
-    };
-    const auto carried = with_air(kAir), of_cut = with_air(kCutAir);
+  }
+
+  [[nodiscard]] auto section_with_air(std::size_t g, double voxels) const {
+    return section_of(openings_, plan_.groups, g, directions_[g], voxels * voxel_mm_, voxel_mm_);
+  }
+
+  /// Between each two sections in one plane; elsewhere kApart.
+  void find_gaps() {
+    const std::size_t count = plan_.groups.size();
+    gaps_mm_.assign(count, std::vector<double>(count, kApart * voxel_mm_));
+    for (std::size_t g = 0; g < count; ++g) plan_.tubes[g].bare = section_with_air(g, 0);
+    for (std::size_t g = 0; g < count; ++g)
+      for (std::size_t other = g + 1; other < count; ++other)
+        if (are_in_one_plane(g, other))
+          gaps_mm_[g][other] = gaps_mm_[other][g] =
+              std::min(kApart * voxel_mm_, gap_mm(*plan_.tubes[g].bare, *plan_.tubes[other].bare));
+  }
+
+  [[nodiscard]] bool are_in_one_plane(std::size_t g, std::size_t other) const {
+    const CutPlane &a = plan_.groups[g].section.plane, &b = plan_.groups[other].section.plane;
+    return a.normal.dot(b.normal) > kSamePlane &&
+           std::abs(a.normal.dot(b.point_mm - a.point_mm)) < 0.5 * voxel_mm_;
+  }
+
+  [[nodiscard]] static double gap_mm(const CarriedSection& a, const CarriedSection& b) {
+    double nearest_mm = 1e300;
+    for (int j = 0; j < b.rows; ++j)
+      for (int i = 0; i < b.columns; ++i) {
+        const Vec3 x = b.square(i, j);
+        if (b.inside_section_mm(x) >= 0) nearest_mm = std::min(nearest_mm, -a.inside_section_mm(x));
+      }
+    return std::max(0.0, nearest_mm - b.step_mm);  // Half a square on both sides.
+  }
+
+  /// Neighbours whose axes come together stay as far apart as their openings are: so near to each other, axes
+  /// are off by some degrees.
+  void make_neighbours_parallel() {
+    const std::vector<Vec3> found = directions_;
+    for (std::size_t g = 0; g < found.size(); ++g) {
+      Vec3 sum = plan_.groups[g].section.area_mm2 * found[g];
+      for (std::size_t other = 0; other < found.size(); ++other)
+        if (other != g && may_become_parallel(g, other, found))
+          sum += plan_.groups[other].section.area_mm2 * found[other];
+      directions_[g] = sum.normalized();
+    }
+  }
+
+  [[nodiscard]] bool may_become_parallel(std::size_t g, std::size_t other,
+                                         const std::vector<Vec3>& found) const {
+    constexpr double kAlike = 0.978;  // Cosine of 12 degrees: each turns by about six.
+    if (!is_wanted(g) || !is_wanted(other) || !are_in_one_plane(g, other)) return false;
+    const Vec3 way = plan_.groups[other].section.plane.point_mm - plan_.groups[g].section.plane.point_mm;
+    const bool come_together = way.dot(found[g] - found[other]) > 0;
+    return come_together && gaps_mm_[g][other] < kApart * voxel_mm_ && found[g].dot(found[other]) > kAlike;
+  }
+
+  void add_tube(std::size_t g) {
+    const OpeningGroup& group = plan_.groups[g];
+    const Opening& main = main_opening(group);
+    VesselTube& tube = plan_.tubes[g];
+    const Vec3& direction = directions_[g];
+    const bool is_hollow = main.is_hollow();
+    const double radius_mm = main.lumen_radius_mm();
+    radii_mm_[g] = radius_mm * std::sqrt(direction.dot(group.section.plane.normal));
+    const auto carried = section_with_air(g, kAir), of_cut = section_with_air(g, kCutAir);
     tube.section = carried;
     tube.of_cut = of_cut;
-    tube.bare = with_air(0);
-    if (is_wanted && transition_ && is_hollow) {
+    tube.bare = section_with_air(g, 0);
+    const bool is_circle = is_wanted(g) && transition_;
+    if (is_circle && is_hollow) {
       note(g, "keeps its section, which is that of a hollow wall: a circle would close its lumen");
-    } else if (is_wanted && transition_) {
+    } else if (is_circle) {
       set_circles(group, tube, *carried, radii_mm_[g]);
       of_cut->circle_mm = tube.outer.radius_mm + kCutAir * voxel_mm_;
     }
@@ -160,7 +223,7 @@ class ExtensionPlanner {
     const Vec3 last = tube.end_mm + tube.stump_mm * tube.end_normal;
     for (const int i : {0, section.columns - 1})
       for (const int j : {0, section.rows - 1}) {
-        const Vec3 corner = section.first_mm + section.step_mm * (i * section.u + j * section.v);
+        const Vec3 corner = section.square(i, j);
         tube.box_mm.extend(corner);
         tube.box_mm.extend(
             Vec3(corner + std::max(0.0, (last - corner).dot(section.direction)) * section.direction));
@@ -205,37 +268,41 @@ class ExtensionPlanner {
   [[nodiscard]] std::optional<Hit> first_hit(std::size_t g) const {
     const VesselTube& tube = plan_.tubes[g];
     const CarriedSection& section = *tube.section;
-    const std::vector<Vec3> places = places_across(tube);
-    for (const Vec3& x : places)
-      if (is_beside_other_face(x, g)) return Hit{0, x};
+    const std::vector<PlaceAcross> places = places_across(tube);
+    for (const PlaceAcross& from : places)
+      if (is_beside_other_face(from.place_mm, g)) return Hit{0, from.place_mm};
     const double last_mm = plan_.lengths_mm[g] + clearance_mm(g), step_mm = 0.8 * voxel_mm_;
     for (double along_mm = step_mm; along_mm < last_mm + step_mm; along_mm += step_mm)
-      for (const Vec3& from : places) {
-        const Vec3 x = from + std::min(along_mm, last_mm) * section.direction;
-        if ((x - section.centre_mm).dot(section.normal) > 0.5 * voxel_mm_ && is_taken(x, g))
+      for (const PlaceAcross& from : places) {
+        const Vec3 x = from.place_mm + std::min(along_mm, last_mm) * section.direction;
+        if ((x - section.centre_mm).dot(section.normal) > 0.5 * voxel_mm_ && is_taken(x, from.off_mm, g))
           return Hit{std::min(along_mm, last_mm), x};
       }
     return std::nullopt;
   }
 
+  struct PlaceAcross {
+    Vec3 place_mm;
+    double off_mm = 0;  ///< Distance from the section, negative within.
+  };
+
   /// About a voxel apart: the section with the room around it, as it is carried and as the circle.
-  [[nodiscard]] std::vector<Vec3> places_across(const VesselTube& tube) const {
+  [[nodiscard]] std::vector<PlaceAcross> places_across(const VesselTube& tube) const {
     const CarriedSection& section = *tube.section;
-    const double most_mm = (kAir - kApart) * voxel_mm_;  // What has less is in the air.
     const int stride = std::max(1, static_cast<int>(voxel_mm_ / section.step_mm));
-    std::vector<Vec3> places;
+    std::vector<PlaceAcross> places;
     for (int j = 0; j < section.rows; j += stride)
       for (int i = 0; i < section.columns; i += stride) {
-        const Vec3 x = section.first_mm + section.step_mm * (i * section.u + j * section.v);
-        if (std::max(section.inside_section_mm(x), section.circle_mm - section.off_axis_mm(x)) >= most_mm)
-          places.push_back(x);
+        const Vec3 x = section.square(i, j);
+        const double off_circle_mm = section.off_axis_mm(x) - section.circle_mm + kAir * voxel_mm_;
+        const double off_mm = std::min(-tube.bare->inside_section_mm(x), off_circle_mm);
+        if (off_mm <= kApart * voxel_mm_) places.push_back({x, off_mm});
       }
     return places;
   }
 
   /// Whether an opening in another plane is there: a vessel that leaves through an edge of the image has two.
   [[nodiscard]] bool is_beside_other_face(const Vec3& x, std::size_t own) const {
-    constexpr double kSamePlane = 0.999;
     for (std::size_t g = 0; g < plan_.tubes.size(); ++g) {
       const CarriedSection& bare = *plan_.tubes[g].bare;
       const double height_mm = (x - bare.centre_mm).dot(bare.normal);
@@ -247,10 +314,15 @@ class ExtensionPlanner {
     return false;
   }
 
-  [[nodiscard]] bool is_taken(const Vec3& x, std::size_t own) const {
+  /// @param off_mm  How far the place is from the own extension: what is beside the opening already may stay
+  /// as near as it is there.
+  [[nodiscard]] bool is_taken(const Vec3& x, double off_mm, std::size_t own) const {
+    constexpr double kSameGap = 0.75;
     if (is_of_image(domain_, x) && domain_.is_meshed(domain_.material_at(x))) return true;
-    for (std::size_t g = 0; g < plan_.tubes.size(); ++g)
-      if (g != own && plan_.tubes[g].outer_value(domain_.field(), x) > 0) return true;
+    for (std::size_t g = 0; g < plan_.tubes.size(); ++g) {
+      const bool is_near = gaps_mm_[own][g] == kApart * voxel_mm_ || off_mm < kSameGap * gaps_mm_[own][g];
+      if (g != own && is_near && plan_.tubes[g].outer_value(domain_.field(), x) > 0) return true;
+    }
     return false;
   }
 
@@ -259,7 +331,9 @@ class ExtensionPlanner {
   std::vector<NamedLength> wanted_;
   std::optional<LocalLength> transition_;
   double voxel_mm_;
-  std::vector<double> radii_mm_;  // Of the lumens, square to their axes.
+  std::vector<Vec3> directions_;              // Of extensions, unit.
+  std::vector<std::vector<double>> gaps_mm_;  // Between sections, at most kApart.
+  std::vector<double> radii_mm_;              // Of the lumens, square to their axes.
   ExtensionPlan plan_;
 };
 

@@ -20,6 +20,7 @@ struct CarriedSection {
   std::vector<float> inside;  ///< At the squares, mm.
   double circle_mm = -1e300;  ///< Radius of what the section becomes, with air; negative: it is kept.
 
+  [[nodiscard]] Vec3 square(int column, int row) const { return first_mm + step_mm * (column * u + row * v); }
   /// The place of the plane that a point was carried from.
   [[nodiscard]] Vec3 carried_back(const Vec3& x) const {
     return x - (x - centre_mm).dot(normal) / direction.dot(normal) * direction;

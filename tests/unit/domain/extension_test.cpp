@@ -182,6 +182,40 @@ TEST(ExtendOpenings, StopsBeforeAnotherExtension) {
   }
 }
 
+/// Two vessels that leave side by side and lean towards each other.
+LabelImage leaning_pair(double gap, double lean_deg) {
+  const double lean = lean_deg * std::numbers::pi / 180, radius = 4;
+  const StraightTube a{{15.2, 15.1, 25.5}, Vec3(std::sin(lean), 0, std::cos(lean)), radius},
+      b{{15.2 + 2 * radius + gap, 15.1, 25.5}, Vec3(-std::sin(lean), 0, std::cos(lean)), radius};
+  return fixtures::voxels_of(fixtures::frame_of({42, 31, 26}), {0, 1}, [&](const Vec3& p) {
+    return p.z() > 4 && std::min(a.off(p), b.off(p)) < radius ? 1 : 0;
+  });
+}
+
+double distance_of_ends(const Extended& e) {
+  return (e.ends.at("inlet_1").centre_mm - e.ends.at("outlet_1").centre_mm).norm();
+}
+
+TEST(ExtendOpenings, KeepsNeighboursAsFarApartAsTheirOpeningsAre) {
+  for (const double lean_deg : {0.0, 1.0, 2.0}) {
+    const Extended e(leaning_pair(2.2, lean_deg), "10r");
+    SCOPED_TRACE(lean_deg);
+    ASSERT_EQ(e.openings.size(), 2U);
+    ASSERT_EQ(e.ends.size(), 2U);
+    EXPECT_TRUE(e.result.notes.empty()) << e.result.notes.front();
+    EXPECT_NEAR(distance_of_ends(e), (e.openings[0].centre_mm - e.openings[1].centre_mm).norm(), 0.2);
+    EXPECT_EQ(label_topology(e.result.image).at(0).component_count, 2U);
+  }
+}
+
+TEST(ExtendOpenings, StopsBeforeNeighboursInItsPlaneComeTogether) {
+  const Extended e(leaning_pair(4, 5), "10r");
+  ASSERT_EQ(e.ends.size(), 2U);
+  EXPECT_EQ(e.result.notes.size(), 2U);
+  EXPECT_GT(distance_of_ends(e), 8 + 2);
+  EXPECT_EQ(label_topology(e.result.image).at(0).component_count, 2U);
+}
+
 TEST(ExtendOpenings, StopsBeforeTheObject) {
   // The first is cut off in the middle, and would run into the second one.
   const StraightTube first{{0, 15.2, 14.6}, Vec3::UnitX(), 3}, second{{45, 15, 0}, Vec3::UnitZ(), 4};
