@@ -234,6 +234,7 @@ LabelField LabelField::continued(const LabelImage& image, const Index3& first,
                                  const FieldContinuation& beyond) const {
   LabelField field;
   field.frame_ = image.frame();
+  field.fidelity_ = fidelity_;
   field.edges_ = edges_;
   field.all_labels_ = all_labels_;
   field.bricks_ = (field.frame_.size - Index3::Constant(kFirst)) / kBrick + Index3::Ones();

@@ -245,7 +245,9 @@ class LabelFieldBuilder {
 };
 
 LabelField::LabelField(const LabelImage& image, const LabelFieldOptions& options)
-    : frame_(image.frame()), edges_(frame_.spacing_mm / frame_.spacing_mm.minCoeff()) {
+    : frame_(image.frame()),
+      fidelity_(options.fidelity),
+      edges_(frame_.spacing_mm / frame_.spacing_mm.minCoeff()) {
   all_labels_.resize(image.values().size());
   std::iota(all_labels_.begin(), all_labels_.end(), LabelIndex{0});
   bricks_ = (frame_.size - Index3::Constant(kFirst)) / kBrick + Index3::Ones();

@@ -10,6 +10,7 @@
 
 #include "crossings.hpp"
 #include "lumesh/domain/facing.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "narrow_gaps.hpp"
 #include "protrusions.hpp"
@@ -80,9 +81,12 @@ class Defect {
     constexpr int kMaxFailures = 3;  // tries in a row that leave too many deviations to improve on
     std::vector<Deviation> deviations = keep_if_best();
     const auto at_start = best_badness_;
-    constexpr double kGross = 1.25;  // voxels
-    min_cosine_ = is_at_opening() ? 0.5 : 0;
-    may_steepen_ = at_start.first > kSteps * kGross;
+    const bool is_beside = is_at_opening();
+    min_cosine_ = is_beside ? 0.5 : 0;
+    // Beside single voxels that stand out exactly, which boundary a triangle faces is not clear.
+    constexpr double kGross = 1.25, kGrossOfExact = 0.75;  // voxels
+    const bool is_exact = setting_.domain.field().fidelity() == BoundaryFidelity::kExact;
+    may_steepen_ = at_start.first > kSteps * (is_exact && !is_beside ? kGrossOfExact : kGross);
     max_steep_ = count_steep();
     const MeshPart first = part_;
     take_turns(std::move(deviations), false);

@@ -44,7 +44,8 @@ class ExposedRemoval {
     for (const std::uint32_t i : triangles) {
       const Triangle& v = boundary_.triangles[i].vertices;
       for (const std::uint32_t t : mesh_.star(v[0]))
-        if (has_corner(mesh_.tets[t], v[1]) && has_corner(mesh_.tets[t], v[2]) && open_faces(t) == 3)
+        if (has_corner(mesh_.tets[t], v[1]) && has_corner(mesh_.tets[t], v[2]) && open_faces(t) == 3 &&
+            stands_near(t))
           exposed.push_back(t);
     }
     if (exposed.empty()) return;
@@ -122,6 +123,17 @@ class ExposedRemoval {
   [[nodiscard]] bool deep_inside(std::uint32_t t) const {
     const double depth = domain_.separation(mesh_.centroid(t), mesh_.materials[t], 0).value;
     return depth > 0.3 * mesh_.longest_edge_mm(t);
+  }
+
+  /// Whether the face that it stands on is near the boundary: on one that is not, it may be a bump.
+  [[nodiscard]] bool stands_near(std::uint32_t t) const {
+    constexpr double kNear = 0.5;  // Voxels: more is a deviation.
+    const auto inner = std::find_if(mesh_.neighbours[t].begin(), mesh_.neighbours[t].end(),
+                                    [](std::uint32_t other) { return other != kNoTet; });
+    const auto [a, b, c] =
+        face_of(mesh_.tets[t], static_cast<std::size_t>(inner - mesh_.neighbours[t].begin()));
+    const Vec3 middle = (mesh_.positions[a] + mesh_.positions[b] + mesh_.positions[c]) / 3;
+    return domain_.separation(middle, mesh_.materials[t], 0).value <= kNear * domain_.voxel_size_mm();
   }
 
   /// Where a corner belongs; where it is, if that is not known.

@@ -19,7 +19,7 @@ std::vector<std::uint32_t> remove_exposed(WorkMesh& mesh, BoundaryModel& boundar
 void remove_beyond_cuts(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain);
 
 /// Drops, under the same conditions, tetrahedra with three faces towards the outside, one of them among these
-/// boundary triangles. Needs the mesh's stars.
+/// boundary triangles, that stand on a face near the boundary. Needs the mesh's stars.
 void remove_exposed_at(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain,
                        std::span<const std::uint32_t> triangles);
 

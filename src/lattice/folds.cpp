@@ -6,6 +6,7 @@
 #include "crossings.hpp"
 #include "exposed_tetrahedra.hpp"
 #include "lumesh/domain/facing.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "vertex_blocks.hpp"
 
@@ -31,6 +32,7 @@ std::vector<std::uint32_t> find_folds(const WorkMesh& mesh, const BoundaryModel&
 void remove_folds(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& setting) {
   constexpr int kSweeps = 8;
   constexpr double kGood = 0.3;
+  if (setting.domain.field().fidelity() == BoundaryFidelity::kExact) return;  // Voxels that stand out stay.
   std::vector<std::uint32_t> folds = find_folds(mesh, boundary, setting.domain);
   if (folds.empty()) return;
   build_stars(mesh);

@@ -9,7 +9,7 @@ namespace lumesh {
 
 /// Takes folds out of the walls as far as the limits of the angles allow: drops tetrahedra that stand on a
 /// wall with a folded face, then moves the vertices around the folds that are left, anchored ones too. The
-/// surface comes to cross itself nowhere.
+/// surface comes to cross itself nowhere. Does nothing where the boundary keeps every voxel's side.
 void remove_folds(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& setting);
 
 }  // namespace lumesh

@@ -78,6 +78,7 @@ class LabelField {
   [[nodiscard]] bool near_boundary(const Vec3& low, const Vec3& high) const;
 
   [[nodiscard]] const ImageFrame& frame() const { return frame_; }
+  [[nodiscard]] BoundaryFidelity fidelity() const { return fidelity_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
@@ -141,6 +142,7 @@ class LabelField {
   [[nodiscard]] LabelIndex label_in(const Place& place) const;
 
   ImageFrame frame_;
+  BoundaryFidelity fidelity_ = BoundaryFidelity::kSmooth;
   Vec3 edges_ = Vec3::Ones();  ///< Edges of the voxel, in units of the smallest.
   Index3 bricks_ = Index3::Zero();
   std::vector<std::int32_t>
