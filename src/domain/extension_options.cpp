@@ -58,7 +58,13 @@ double length_wanted_mm(std::span<const NamedLength> lengths, const std::vector<
                               option_name("extend"), names.front()));
     named = length_mm;
   }
-  return named ? *named : for_all.value_or(0);
+  const double length_mm = named ? *named : for_all.value_or(0);
+  constexpr double kMostRadii = 1000;
+  if (!(length_mm <= kMostRadii * radius_mm))
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("{}: {} would go on by {:.3g} mm, more than {:g} times its radius",
+                            option_name("extend"), names.front(), length_mm, kMostRadii));
+  return length_mm;
 }
 
 void check_names_of(std::span<const NamedLength> lengths, const std::vector<std::string>& openings,

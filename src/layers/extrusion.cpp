@@ -285,11 +285,7 @@ class Extruder {
       if (std::abs((point(v) - s.centre_mm).dot(s.normal)) > 0.01 * s.reach_mm)
         throw Error(ErrorKind::kBadInput, fmt::format("{}: {} is not flat; extensions stand on flat openings",
                                                       option_name("extend"), name));
-    constexpr double kMostRadii = 1000, kLowestRow = 0.25;  // Of the edges.
-    if (!(length_mm <= kMostRadii * s.radius_mm))
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("{}: {} would go on by {:.3g} mm, more than {:g} times its radius",
-                              option_name("extend"), name, length_mm, kMostRadii));
+    constexpr double kLowestRow = 0.25;  // Of the edges.
     if (!s.is_clear)
       result_.notes.push_back(
           fmt::format("{}: {} goes on square to itself: the walls before it do not say the "

@@ -154,6 +154,11 @@ class CutsTest(ProgramTest):
             self.assertIn(refused.returncode, (USAGE, BAD_INPUT), refused.stderr)
             self.assertIn(word, refused.stderr)
 
+    def test_extensions_of_more_than_a_thousand_radii_are_refused(self):
+        for lengths in ("1e7", "1e300", "1e300r", "inlet_1=1e20"):
+            refused = self.run_lumesh("info", self.image, "--extend", lengths, "--time-limit", "20")
+            self.assert_refused(refused, BAD_INPUT, "--extend: inlet_1 would go on by", "more than 1000 times its radius")
+
     def test_evaluate_asks_for_the_cuts_that_the_mesh_was_made_with(self):
         place, plane = f"30,10.6,{TUBES['high']}", ("12", "0", "0", "-1", "0", "0")
         mesh, coarse = self.folder / "cut.vtu", self.folder / "coarse.vtu"

@@ -35,7 +35,8 @@ struct NamedLength {
 [[nodiscard]] std::vector<NamedLength> named_lengths_from(const std::string& text);
 
 /// The length of a vessel, of which a name among several is one with another length than those of all.
-/// @param names  Of its openings. @throws Error{kBadInput} if two of them have different lengths.
+/// @param names  Of its openings. @throws Error{kBadInput} if two of them have different lengths, or for more
+/// than a thousand radii.
 [[nodiscard]] double length_wanted_mm(std::span<const NamedLength> lengths,
                                       const std::vector<std::string>& names, double radius_mm);
 /// @throws Error{kBadInput} for a name that no opening has. @param where  What has them: "the mesh".
