@@ -2,10 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <utility>
 
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/quality/surface.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/opening_sections.hpp"
@@ -19,25 +21,42 @@ namespace {
 struct Outside {
   std::uint64_t pieces = 0;
   std::int64_t euler = 0;
+  double volume_mm3 = 0;  ///< Zero where the triangles do not tell it.
 
   Outside(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
-    for (const quality::SurfaceComponent& piece : quality::analyse_surface(points, triangles).components) {
+    const quality::SurfaceTopology all = quality::analyse_surface(points, triangles);
+    for (const quality::SurfaceComponent& piece : all.components) {
       ++pieces;
       euler += piece.euler;
+      volume_mm3 += piece.enclosed_volume_mm3;
     }
+    const bool has_sides = all.closed() && all.non_manifold_edges == 0;
+    volume_mm3 = has_sides ? std::abs(volume_mm3) : 0;
   }
 };
 
-/// A line where narrow gaps were closed, or pieces lost; none elsewhere.
+/// A line where narrow gaps were closed, or pieces lost, and one where the mesh fills another volume; none
+/// elsewhere.
 std::vector<std::string> differences_from_surface(const MixedMesh& surface, const TetMesh& mesh) {
+  constexpr double kMuch = 0.02;
   const Outside given(surface.points, surface.triangles);
   const Outside made(mesh.points(), mesh.boundary_faces().triangles);
-  if (made.pieces == given.pieces && made.euler == given.euler) return {};
-  return {
-      fmt::format("the outside of the mesh has {} and Euler number {}, of {} and {} of the surface: parts "
-                  "closer than the elements are large were joined, or small ones lost; a smaller `delta` "
-                  "keeps them",
-                  counted(made.pieces, "piece"), made.euler, given.pieces, given.euler)};
+  std::vector<std::string> lines;
+  if (made.pieces != given.pieces || made.euler != given.euler)
+    lines.push_back(
+        fmt::format("the outside of the mesh has {} and Euler number {}, of {} and {} of the surface: parts "
+                    "closer than the elements are large were joined, or small ones lost; a smaller `delta` "
+                    "keeps them",
+                    counted(made.pieces, "piece"), made.euler, given.pieces, given.euler));
+  double volume_mm3 = 0;
+  for (const auto& [label, of_label_mm3] : volumes_of_labels(mesh)) volume_mm3 += of_label_mm3;
+  const double change = given.volume_mm3 > 0 ? volume_mm3 / given.volume_mm3 - 1 : 0;
+  if (std::abs(change) > kMuch)
+    lines.push_back(fmt::format(
+        "the mesh fills {:.1f} % {} than the surface, {:.4g} of {:.4g} mm3: its elements are large "
+        "for the surface; a smaller `edge_length` helps",
+        100 * std::abs(change), change < 0 ? "less" : "more", volume_mm3, given.volume_mm3));
+  return lines;
 }
 
 }  // namespace

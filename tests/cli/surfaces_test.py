@@ -127,6 +127,22 @@ class SurfacesTest(ProgramTest):
             self.assertIn(f"capped {end['name']}: radius", out)
         self.assertEqual({p["name"] for p in self.info(mesh)["patches"]}, {"wall", "inlet_1", "outlet_1"})
 
+    def test_a_mesh_that_fills_less_than_its_surface_is_told(self):
+        """A thin vessel of long triangles, as programs draw cylinders."""
+        ring = [(math.cos(math.pi * i / 12), math.sin(math.pi * i / 12)) for i in range(24)]
+        points = [(x, y, z) for z in (0.0, 300.0) for x, y in ring]
+        wall = [t for i in range(24) for t in ((i, (i + 1) % 24, i + 24), ((i + 1) % 24, (i + 1) % 24 + 24, i + 24))]
+        triangles = wall + fan(points, 0, 24, True) + fan(points, 24, 24, False)
+        surface = self.folder / "thin.off"
+        surface.write_text(f"OFF\n{len(points)} {len(triangles)} 0\n" + "".join("%.17g %.17g %.17g\n" % p for p in points)
+                           + "".join("3 %d %d %d\n" % t for t in triangles))
+        _, report, _ = self.mesh(surface)
+        told = [line for line in report["warnings"] if "less than the surface" in line]
+        self.assertEqual(len(told), 1, report["warnings"])
+        self.assertRegex(told[0], r"fills [\d.]+ % less than the surface, \d+(\.\d+)? of 931.7 mm3: .*--edge-length")
+        _, report, _ = self.mesh(surface, "--edge-length", 0.5)
+        self.assertFalse([line for line in report["warnings"] if "than the surface" in line])
+
     def test_each_end_of_nested_skins_is_found_in_the_mesh(self):
         """A lumen within a wall of two skins: the ends of both stand in the same planes, around the same centres."""
         skins = self.folder / "skins.stl"

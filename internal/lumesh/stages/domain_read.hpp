@@ -54,8 +54,8 @@ class DomainRead {
   [[nodiscard]] std::vector<std::string> doubts_about_openings();
   /// A line if no vessel has an opening, else empty.
   [[nodiscard]] std::string closed_vessels();
-  /// Lines on differences of a mesh from the image, as differences(), or one where its outside has other
-  /// pieces or another Euler number than the surface.
+  /// Lines on differences of a mesh from the image, as differences(), or ones where its outside has other
+  /// pieces or another Euler number than the surface, or its volume is more than 2 % off.
   [[nodiscard]] std::vector<std::string> differences_from(const TetMesh& mesh);
   /// The same as differences_of_lattice().
   [[nodiscard]] std::vector<std::string> differences_from_lattice(const MeshView& mesh);
