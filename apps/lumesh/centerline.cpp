@@ -43,6 +43,7 @@ void run(CenterlineCommand command) {
   const CenterlineMade made = find_centerline(command.request, context);
   MeshInfo info;
   info.provenance = provenance_of(command.run.making(), command.request.path, made.provenance);
+  context.results_exist();
   context.phase("write", [&] { write_polylines(command.output_path, made.lines, info); });
   write_json(command.json_path,
              report::centerline_json(

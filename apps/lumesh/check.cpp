@@ -32,6 +32,7 @@ void run(const CheckCommand& command) {
   }
   CheckReport report = check_file(command.path, command.selection, context);
   for (Finding& finding : report.findings) finding.remedy = with_flags(finding.remedy, *command.run.command);
+  context.results_exist();
   write_json(command.json_path, report::check_json(command.path, report));
   say(command.run, "{}", report::check_text(command.path, report));
   if (!command.report_path.empty())

@@ -29,6 +29,7 @@ void run(const EvaluateCommand& command) {
   MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
   bring_to_lps_mm(mesh);
   const quality::Evaluation evaluation = evaluate_mesh(mesh, command.mesh_path, request, context);
+  context.results_exist();
   say(command.run, "{}\n{}", command.mesh_path, report::summary_text(evaluation));
   write_json(command.json_path, report::evaluation_json(evaluation));
   if (!command.report_path.empty())

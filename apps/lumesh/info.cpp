@@ -21,6 +21,7 @@ void run(const InfoCommand& command) {
   check_files({command.json_path}, {request.path}, request.selection);
   CommandRun session(command.run);
   const report::FileDescription description = report::describe_file(request, session.context);
+  session.context.results_exist();
   write_json(command.json_path, description.json);
   say(command.run, "{}", description.text);
 }

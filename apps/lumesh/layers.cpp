@@ -44,6 +44,7 @@ void run(const LayersCommand& command) {
   extend_mesh(mesh, from, extension, wanted.options.cells, context);
   mesh.info.provenance = provenance_of(command.run.making(), from, input.info.provenance);
   own.bring_back(mesh);
+  context.results_exist();
   context.phase("write", [&] { write_mesh(to, mesh.view()); });
   say(command.run, "{}",
       layers ? report::layers_text(to, *layers) : report::extension_text(to, before, mesh));

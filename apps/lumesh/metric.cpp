@@ -33,6 +33,7 @@ void run(const MetricCommand& command) {
   MixedMesh input = context.phase("read", [&] { return read_mesh(mesh_path); });
   MeshWithMetric made = give_metric(input, mesh_path, command.request, context);
   made.mesh.finish_metric(provenance_of(command.run.making(), mesh_path, input.info.provenance));
+  context.results_exist();
   context.phase("write", [&] {
     if (alone)
       write_metric(output_path, made.mesh.view().metric);

@@ -12,7 +12,8 @@ namespace lumesh::cli {
 /// Make it before other threads start. Ctrl-C, SIGTERM and time limits end every command with exit code 4 and
 /// a line: by an exception (parallel::Cancelled) where there is nothing to keep, or, where that takes longer
 /// than a fifth of a second, and at a second signal, at once. Nothing of files that were being written is
-/// left.
+/// left. A stop that comes once the command has said that it has results (Context::results_exist()), at the
+/// latest before it writes the first, does not keep it from writing all of them.
 class Program : public CLI::App {
  public:
   Program(std::string description, std::string name);

@@ -26,6 +26,7 @@ void run(RepairCommand command) {
   RepairOutcome outcome = repair_file(command.from, command.request, context);
   std::map<std::string, std::string>& provenance = outcome.surface.info.provenance;
   provenance = provenance_of(command.run.making(), command.from, provenance);
+  context.results_exist();
   context.phase("write", [&] { write_surface(command.to, outcome.surface.view()); });
   write_json(command.json_path,
              report::repair_json(outcome, session.notes({{command.to, "the repaired surface"}})));

@@ -4,6 +4,8 @@
 #include <csignal>
 #include <ctime>
 
+#include "lumesh/parallel/cancellation.hpp"
+
 namespace lumesh::parallel {
 namespace {
 
@@ -48,9 +50,19 @@ CancellationSource::~CancellationSource() {
 }
 
 void CancellationSource::begin(double limit_s) {
-  keeps_results_.store(false);
+  {
+    const std::lock_guard guard(deciding_);
+    keeps_results_ = false;
+    if (reason_.load() == Reason::kSignal) abandon_.request_stop();
+  }
   limit_s_ = limit_s;
   end_s_.store(seconds_now() + limit_s);
+}
+
+void CancellationSource::keep_results() {
+  const std::lock_guard guard(deciding_);
+  if (abandon_.stop_requested()) throw Cancelled();
+  keeps_results_ = true;
 }
 
 void CancellationSource::watch(const std::stop_token& over) {
@@ -72,12 +84,14 @@ void CancellationSource::watch(const std::stop_token& over) {
 }
 
 void CancellationSource::stop(Reason reason) {
-  reason_.store(reason);
-  source_.request_stop();
-  if (!keeps_results_.load())
-    abandon_.request_stop();
-  else if (options_.on_kept)
-    options_.on_kept(reason);
+  const bool keeps = [&] {
+    const std::lock_guard guard(deciding_);
+    reason_.store(reason);
+    source_.request_stop();
+    if (!keeps_results_) abandon_.request_stop();
+    return keeps_results_;
+  }();
+  if (keeps && options_.on_kept) options_.on_kept(reason);
 }
 
 }  // namespace lumesh::parallel

@@ -73,6 +73,7 @@ RenamedMesh rename_mesh(const RenamingRequest& request, Context& context) {
     made.renamings = with_patches(renamings_from(request.names), openings_in_mm(made.mesh));
     rename_patches(made.mesh.info, made.renamings);
   });
+  context.results_exist();
   context.phase("write", [&] { write_mesh(request.to, made.mesh.view()); });
   warn_of_faults(request.from, made.mesh.view(), context);
   return made;

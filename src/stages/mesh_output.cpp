@@ -13,6 +13,7 @@
 namespace lumesh {
 
 void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context) {
+  context.results_exist();
   context.phase("write", [&] {
     const MeshInUnit written(mesh, output.unit);
     write_mesh(output.mesh, written.view(), output.options);

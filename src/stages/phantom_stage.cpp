@@ -47,6 +47,7 @@ PhantomMade make_phantom(const PhantomRequest& request, Context& context) {
   require_lines(request.velocity, made.velocity, kind);
   const LabelImage image = context.phase("voxels", [&] { return made.phantom.rasterise(); });
   made.labels = label_topology(image);
+  context.results_exist();
   context.phase("write", [&] { write_image(request.image, image); });
   write_text_file(request.parameters_path(), to_json_text(made.phantom.spec()));
   write_lines(request.centerline, made.centerline, kind);

@@ -147,6 +147,28 @@ class StopTest(ProgramTest):
         self.assert_refused(result, TIME_LIMIT, "time limit of 0.5 s reached; no unfinished file is left")
         self.assertEqual((sorted(self.folder.iterdir()), out.read_bytes()), (before, b"what was there"))
 
+    def test_a_stop_that_comes_while_results_are_written_is_too_late(self):
+        mesh, out, stl = self.folder / "cube.mesh", self.folder / "out.vtu", self.folder / "out.stl"
+        write_medit(mesh, *cube(3))
+        self.run_well("convert", mesh, out)
+        whole = out.stat().st_size
+        out.unlink()
+        os.mkfifo(out)  # The writing lasts until the file is read.
+        for commands in (("convert", mesh, out, "--surface", stl), ("rename", mesh, "-o", out, "--name", "patch_1=low"),
+                         ("metric", mesh, "-o", out, "--analytic", "linear")):
+            for limit in ((), ("--time-limit", "0.3")):
+                with self.subTest(commands[0], limit=limit), subprocess.Popen(
+                        [LUMESH, *map(str, commands), *limit], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                        preexec_fn=take_signals) as process:
+                    time.sleep(1)
+                    if not limit:
+                        process.send_signal(signal.SIGTERM)
+                        time.sleep(0.5)  # More than the patience with what has no results.
+                    if process.poll() is None: self.assertGreater(len(out.read_bytes()), whole / 2)
+                    errors = process.communicate(timeout=60)[1]
+                    self.assertEqual(process.returncode, 0, errors)
+        self.assertTrue(stl.exists())
+
     def test_a_second_signal_ends_what_is_being_kept(self):
         mesh, out = self.folder / "cube.mesh", self.folder / "out.vtu"
         write_medit(mesh, *cube(3))

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <stop_token>
 #include <thread>
 
@@ -42,11 +43,12 @@ class CancellationSource {
   [[nodiscard]] std::stop_token abandon_token() const { return abandon_.get_token(); }
   [[nodiscard]] Reason reason() const { return reason_.load(); }
 
-  /// Other work begins: no results yet, and so long to go.
+  /// Other work begins: no results yet, and so long to go. A signal that came too late for the work before
+  /// ends this one.
   void begin(double limit_s = std::numeric_limits<double>::infinity());
   [[nodiscard]] double limit_s() const { return limit_s_; }
-  /// From now on there are results that a stop must not lose.
-  void keep_results() { keeps_results_.store(true); }
+  /// From now on there are results that a stop must not lose. @throws Cancelled if one came before.
+  void keep_results();
 
  private:
   void watch(const std::stop_token& over);
@@ -55,11 +57,13 @@ class CancellationSource {
   Options options_;
   sigset_t signals_;
   std::stop_source source_, abandon_;
+  // A stop comes either before results are kept or after, for both sides.
+  std::mutex deciding_;
+  bool keeps_results_ = false;
   // Each stands for itself, so that their default order is more than enough. Written by the working thread,
   // read by the watching one, but reason_: the other way round. Tests: Cancellation* in
   // tests/unit/parallel/cancellation_test.cpp.
   std::atomic<Reason> reason_ = Reason::kNone;
-  std::atomic<bool> keeps_results_ = false;
   std::atomic<double> end_s_ = std::numeric_limits<double>::infinity();  // Of the limit, on the steady clock.
   double limit_s_ = std::numeric_limits<double>::infinity();             // The working thread's own.
   std::jthread watcher_;

@@ -121,6 +121,15 @@ bool comes_true(const auto& condition) {
   good &= comes_true([&] { return source.abandon_token().stop_requested() || kept > 0; });
   good &= source.reason() == CancellationSource::Reason::kSignal;
   good &= source.abandon_token().stop_requested() != keeps && kept == (keeps ? 1 : 0) && given_up == 0;
+  bool is_too_late = false;
+  try {
+    source.keep_results();
+  } catch (const Cancelled&) {
+    is_too_late = true;
+  }
+  good &= is_too_late != keeps;
+  source.begin();
+  good &= source.abandon_token().stop_requested();  // Other work does not begin after a signal.
   ::kill(::getpid(), SIGTERM);
   good &= comes_true([&] { return given_up > 0; });  // The second ends it at once.
   std::_Exit(good ? 0 : 1);
