@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -21,6 +22,12 @@ namespace {
 
 constexpr std::uint64_t kBestRatio = 1100;  // zlib cannot do better than 1032 : 1
 
+/// And small enough for an integer of 64 bits.
+template <class Number>
+bool is_whole(Number number) {
+  return std::abs(number) < Number(9e15) && number == std::floor(number);
+}
+
 template <class Stored, class Value>
 bool convert_all(const std::vector<unsigned char>& bytes, std::vector<Value>& out) {
   out.resize(bytes.size() / sizeof(Stored));
@@ -28,7 +35,7 @@ bool convert_all(const std::vector<unsigned char>& bytes, std::vector<Value>& ou
     Stored stored;
     std::memcpy(&stored, bytes.data() + i * sizeof(Stored), sizeof(Stored));
     if constexpr (std::is_integral_v<Value> && std::is_floating_point_v<Stored>) {
-      if (!(std::abs(stored) < Stored(9e15)) || stored != std::floor(stored)) return false;
+      if (!is_whole(stored)) return false;
     }
     out[i] = static_cast<Value>(stored);
   }
@@ -186,11 +193,17 @@ std::vector<Value> VtkXmlReader::values(const pugi::xml_node& array, const char*
   if (!array) fail(fmt::format("has no {}", what));
   std::vector<Value> out;
   const std::string_view format = array.attribute("format").as_string("ascii");
+  const std::string_view type = array.attribute("type").as_string("");
+  const std::string fractions = fmt::format("{} holds fractions where whole numbers are needed", what);
+  if (format == "ascii" && std::is_integral_v<Value> && type.starts_with("Float")) {
+    const std::vector<double> given = doubles(array, what);
+    if (!std::all_of(given.begin(), given.end(), is_whole<double>)) fail(fractions);
+    return std::vector<Value>(given.begin(), given.end());
+  }
   if (format == "ascii") {
     if (!parse_text(array.text().get(), out)) fail(fmt::format("{} holds text that is not a number", what));
     return out;
   }
-  const std::string_view type = array.attribute("type").as_string("");
   const std::vector<unsigned char> raw = bytes(array, what);
   bool good = true;
   if (type == "Float64")
@@ -215,7 +228,7 @@ std::vector<Value> VtkXmlReader::values(const pugi::xml_node& array, const char*
     good = convert_all<std::uint8_t>(raw, out);
   else
     fail(fmt::format("{} has the unknown type {}", what, type));
-  if (!good) fail(fmt::format("{} holds fractions where whole numbers are needed", what));
+  if (!good) fail(fractions);
   return out;
 }
 

@@ -85,7 +85,7 @@ class SurfacesTest(ProgramTest):
         path.write_text("".join(stl_text(points, triangles, name) for name, points, triangles in parts))
         return path
 
-    def vtp(self, points, triangles, **arrays):
+    def vtp(self, points, triangles, number="Int32", **arrays):
         """Triangles with whole numbers, one for each, in named arrays."""
         def array(kind, name, values, components=1):
             return (f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="ascii">'
@@ -94,7 +94,7 @@ class SurfacesTest(ProgramTest):
         path.write_text(
             '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64"><PolyData>'
             f'<Piece NumberOfPoints="{len(points)}" NumberOfPolys="{len(triangles)}" NumberOfVerts="0" NumberOfLines="0" '
-            'NumberOfStrips="0"><CellData>' + "".join(array("Int32", name, values) for name, values in arrays.items())
+            'NumberOfStrips="0"><CellData>' + "".join(array(number, name, values) for name, values in arrays.items())
             + "</CellData><Points>" + array("Float64", "points", [x for p in points for x in p], 3) + "</Points><Polys>"
             + array("Int64", "connectivity", [v for t in triangles for v in t])
             + array("Int64", "offsets", range(3, 3 * len(triangles) + 1, 3)) + "</Polys></Piece></PolyData></VTKFile>")
@@ -126,6 +126,17 @@ class SurfacesTest(ProgramTest):
             self.assertAlmostEqual(end["area_mm2"] / (0.5 * 24 * 4 * math.sin(math.pi / 12)), 1, delta=0.01)
             self.assertIn(f"capped {end['name']}: radius", out)
         self.assertEqual({p["name"] for p in self.info(mesh)["patches"]}, {"wall", "inlet_1", "outlet_1"})
+
+    def test_numbers_of_patches_may_be_written_as_floating_point(self):
+        points, *parts = closed_tube()
+        triangles = sum(parts, [])
+        numbers = [float(i + 1) for i, part in enumerate(parts) for _ in part]
+        self.assertIn("1.0", map(str, numbers))
+        self.vtp(points, triangles, number="Float64", ModelFaceID=numbers)
+        patches, _ = self.patches_made(self.folder / "tube.vtp")
+        self.assertEqual(len(patches), 3, patches)
+        source = self.vtp(points, triangles, number="Float64", ModelFaceID=[n + 0.5 for n in numbers])
+        self.assert_refused(self.run_lumesh("info", source), BAD_INPUT, "ModelFaceID holds fractions where whole numbers are needed")
 
     def test_a_mesh_that_fills_less_than_its_surface_is_told(self):
         """A thin vessel of long triangles, as programs draw cylinders."""
