@@ -54,7 +54,8 @@ class Improver {
         field_(options.sizes ? *options.sizes : metric::MetricField::uniform(1)),
         shapes_(operators::all_frozen(mesh)),
         measure_(measure_for(options)),
-        surface_(options.slide ? std::make_optional<operators::InputSurface>(mesh) : std::nullopt),
+        surface_(options.slide ? std::make_optional<operators::InputSurface>(mesh, options.keep_within)
+                               : std::nullopt),
         goal_(sine_of_degrees(options.min_dihedral_deg)),
         execution_({with_qualities(mesh, field_, measure_), field_, shapes_, measure_,
                     surface_ ? &*surface_ : nullptr},

@@ -26,10 +26,10 @@ std::vector<std::uint8_t> vertices_out(const TetMesh& mesh, const Domain& domain
 }  // namespace
 
 std::size_t relabel_out_of_bounds(TetMesh& mesh, const Domain& domain) {
-  constexpr int kRounds = 8;  // The repair of a vertex may reach beyond again.
+  constexpr int kRounds = 8;  // The repair of a vertex may reach beyond again; from then on it may not.
   const std::vector<std::uint8_t> is_out = vertices_out(mesh, domain);
   std::size_t count = 0;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0;; ++round) {
     const auto found =
         parallel::collect<TetId>(mesh.tet_slots(), [&](std::size_t i, std::vector<TetId>& out) {
           const TetId t(static_cast<std::uint32_t>(i));
@@ -38,16 +38,16 @@ std::size_t relabel_out_of_bounds(TetMesh& mesh, const Domain& domain) {
           if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_out[v] != 0; }))
             out.push_back(t);
         });
-    if (found.empty()) break;
+    if (found.empty()) return count;
     count += found.size();
     std::vector<VertexId> suspects;
     for (const TetId t : found) {
       mesh.set_label(t, 0);
       for (const std::uint32_t v : mesh.tet(t)) suspects.emplace_back(v);
     }
-    relabel_pinched(mesh, domain, pinched_among(mesh, domain, suspects));
+    relabel_pinched(mesh, domain, pinched_among(mesh, domain, suspects),
+                    round < kRounds ? PinchRepair::kToNeighbours : PinchRepair::kToOutside);
   }
-  return count;
 }
 
 }  // namespace lumesh::delaunay

@@ -269,12 +269,13 @@ std::vector<VertexId> pinched_among(const TetMesh& mesh, const Domain& domain,
   return found;
 }
 
-std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects) {
+std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects,
+                            PinchRepair way) {
   // The repair of one vertex may pinch another one; giving tetrahedra to the outside comes to an end.
   constexpr int kRepairSweeps = 8, kLevellingSweeps = 16;
   ManifoldRepair repair(mesh, domain);
   const std::size_t pinched = suspects.size();
-  for (int sweep = 0; !suspects.empty(); ++sweep) {
+  for (int sweep = way == PinchRepair::kToOutside ? kLevellingSweeps : 0; !suspects.empty(); ++sweep) {
     for (const VertexId v : suspects) {
       if (v.value < 4 || !repair.is_pinched(v)) continue;
       if (sweep < kRepairSweeps)

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Vertices where the boundary of a label is not a manifold.
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -18,8 +19,13 @@ namespace lumesh::delaunay {
 [[nodiscard]] std::vector<VertexId> pinched_among(const TetMesh& mesh, const Domain& domain,
                                                   std::span<const VertexId> suspects);
 
-/// Gives few tetrahedra around pinched vertices other materials until there are no such vertices.
+/// What tetrahedra around pinched vertices become: of a material next to them, as few as do, or all of the
+/// outside, with which nothing enters the object.
+enum class PinchRepair : std::uint8_t { kToNeighbours, kToOutside };
+
+/// Gives tetrahedra around pinched vertices other materials until there are no such vertices.
 /// @param suspects  All pinched vertices. @return Their number.
-std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects);
+std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects,
+                            PinchRepair way = PinchRepair::kToNeighbours);
 
 }  // namespace lumesh::delaunay

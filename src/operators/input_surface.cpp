@@ -25,7 +25,8 @@ FaceShape shape_of(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>
 
 }  // namespace
 
-InputSurface::InputSurface(const TetMesh& mesh) : points_(mesh.points().begin(), mesh.points().end()) {
+InputSurface::InputSurface(const TetMesh& mesh, KeepWithin keep_within)
+    : points_(mesh.points().begin(), mesh.points().end()), keep_within_(std::move(keep_within)) {
   const BoundaryFaces faces = mesh.boundary_faces();
   std::vector<std::vector<Cell<3>>> triangles(mesh.info().patches.size());
   for (std::size_t i = 0; i < faces.triangles.size(); ++i)
@@ -45,9 +46,9 @@ Vec3 InputSurface::smooth(PatchId patch, const TriangleTree::Nearest& nearest) c
   const auto [a, b, c] = parts_[patch.value].triangles[nearest.triangle];
   const std::array<Vec3, 3> corners = {points_[a], points_[b], points_[c]};
   const std::array<Vec3, 3> normals = {normals_[a], normals_[b], normals_[c]};
-  return shape_of(corners, normals) == FaceShape::kSmooth
-             ? over_triangle(corners, normals, nearest.point).point
-             : nearest.point;
+  if (shape_of(corners, normals) != FaceShape::kSmooth) return nearest.point;
+  const Vec3 place = over_triangle(corners, normals, nearest.point).point;
+  return keep_within_ && keep_within_(place) != place ? nearest.point : place;
 }
 
 }  // namespace lumesh::operators

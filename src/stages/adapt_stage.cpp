@@ -8,11 +8,10 @@
 
 #include "lumesh/adapt/adapt.hpp"
 #include "lumesh/adapt/boundary.hpp"
-#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
-#include "lumesh/core/place_text.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
+#include "vertices_outside.hpp"
 
 namespace lumesh {
 
@@ -33,29 +32,6 @@ void require_one_piece(const TetMesh& mesh, const AdaptRequest& request) {
 }
 
 namespace {
-
-/// A line on vertices beyond the border, which no tetrahedron let come within; empty if there are none.
-std::string note_on_vertices_outside(const TetMesh& mesh, const operators::KeepWithin& keep_within) {
-  if (!keep_within) return "";
-  constexpr double kSeen = 1e-6;
-  std::size_t count = 0;
-  double furthest_mm = 0;
-  Vec3 worst = Vec3::Zero();
-  for (const Vec3& p : mesh.points()) {
-    const double outside_mm = (keep_within(p) - p).norm();
-    if (outside_mm > kSeen) ++count;
-    if (outside_mm > furthest_mm) {
-      furthest_mm = outside_mm;
-      worst = p;
-    }
-  }
-  if (count == 0) return "";
-  return fmt::format(
-      "{} up to {:.2g} mm beyond the image's border or the plane of an opening, the furthest at {}; a "
-      "smaller {} or {} may help",
-      counted(count, "vertex lies", "vertices lie"), furthest_mm, place_text(worst), option_name("gradation"),
-      option_name("max_size"));
-}
 
 std::vector<LabelChange> changes_of(const std::map<Label, double>& before,
                                     const std::map<Label, double>& after) {
@@ -93,8 +69,11 @@ AdaptResult adapt_mesh(TetMesh& mesh, metric::MetricField& field, const AdaptReq
                      .patches_on_image = boundary.patches_on_image()};
   boundary.restore_patches(mesh);
   result.volumes = changes_of(volumes_before, volumes_of_labels(mesh));
-  for (std::string note :
-       {note_on_vertices_outside(mesh, options.keep_within), note_on_volumes(result.volumes)})
+  constexpr double kSeenMm = 1e-6;
+  const std::string remedy =
+      fmt::format("a smaller {} or {} may help", option_name("gradation"), option_name("max_size"));
+  for (std::string note : {note_on_vertices_outside(mesh.points(), options.keep_within, kSeenMm, remedy),
+                           note_on_volumes(result.volumes)})
     if (!note.empty()) result.notes.push_back(std::move(note));
   return result;
 }

@@ -12,6 +12,7 @@
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "lumesh/parallel/sum.hpp"
+#include "vertices_outside.hpp"
 
 namespace lumesh {
 
@@ -98,6 +99,11 @@ DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& req
   const Sizing* const criterion = sizing != nullptr && sizing->has_criterion() ? sizing : nullptr;
   if (request.improves && made.is_complete) improve_within(domain, request, criterion, made, context);
   join_patches_of_one_name(made.mesh);
+  constexpr double kLittleBeyond = 0.01;  // Of the resolution.
+  std::string outside = note_on_vertices_outside(
+      made.mesh.points(), operators::within_cuts_of(domain), kLittleBeyond * domain.resolution_mm(),
+      fmt::format("another {} may help", option_name("edge_length")));
+  if (!outside.empty()) made.report.notes.push_back(std::move(outside));
   if (!domain.fixed_points().empty()) {
     const std::span<const Vec3> points = made.mesh.points();
     made.report.fixed_points_kept = static_cast<std::uint64_t>(

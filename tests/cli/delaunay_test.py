@@ -7,6 +7,7 @@ Exit codes of lumesh: 1 usage, 2 bad input.
 import json
 import math
 import pathlib
+import random
 import statistics
 import sys
 import unittest
@@ -39,6 +40,14 @@ def lower(centre, _):
 
 def upper(centre, _):
     return centre[0] > MIDDLE + 3
+
+
+def lumps(sizes, spacing, labels=5, count=36, seed=2):
+    """Voxels of lumps around random places, i fastest; they fill the image, and meet its border everywhere."""
+    draw = random.Random(seed)
+    middles = [[draw.uniform(0, n * s) for n, s in zip(sizes, spacing)] for _ in range(count)]
+    return [min((math.dist(m, (i * spacing[0], j * spacing[1], k * spacing[2])), n) for n, m in enumerate(middles))[1]
+            % (labels + 1) for k in range(sizes[2]) for j in range(sizes[1]) for i in range(sizes[0])]
 
 
 def polyhedron_volume(triangles):
@@ -99,6 +108,17 @@ class MeshesTest(DelaunayTest):
                 numbers = self.evaluate(self.out)
                 self.assertTrue(numbers["valid"])
                 self.assertAlmostEqual(numbers["labels"][0]["volume_mm3"] / (4 / 3 * math.pi * RADIUS ** 3), 1, delta=0.05)
+
+    def test_no_vertex_lies_beyond_the_border_of_the_image(self):
+        sizes = (14, 10, 9)
+        for spacing, options in (((3, 2, 0.2), ("--no-improve",)), ((2.4, 1.6, 0.24), ())):
+            image = nrrd.write(self.folder / "lumps.nrrd", sizes, lumps(sizes, spacing), spacing)
+            said = self.run_well("delaunay", image, "-o", self.out, *options).stderr
+            beyond = max(abs(p[d] / spacing[d] - (sizes[d] - 1) / 2) - sizes[d] / 2
+                         for p in read_medit(self.out)[0] for d in range(3))
+            little = 0.01 * math.prod(spacing) ** (1 / 3) / min(spacing)  # Of the resolution, in voxels.
+            self.assertLess(beyond, 5 * little, (spacing, options))
+            self.assertTrue(beyond <= little or "beyond the image's border" in said, (spacing, options, beyond))
 
     def test_seedings_begin_with_points_inside_on_surfaces_or_few_of_them(self):
         seeds = {}
