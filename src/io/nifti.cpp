@@ -86,8 +86,13 @@ class NiftiHeader {
     return version_ == 1 ? static_cast<double>(get<float>(76 + 4 * i)) : get<double>(104 + 8 * i);
   }
   [[nodiscard]] int data_type() const { return get<std::int16_t>(version_ == 1 ? 70 : 12); }
+  /// Where the voxels of a single file begin: behind the header and its four flags of extensions, where the
+  /// writer left it 0.
   [[nodiscard]] double data_offset() const {
-    return version_ == 1 ? static_cast<double>(get<float>(108)) : static_cast<double>(get<std::int64_t>(168));
+    const bool is_first = version_ == 1;
+    const double offset =
+        is_first ? static_cast<double>(get<float>(108)) : static_cast<double>(get<std::int64_t>(168));
+    return std::max(offset, is_first ? 352.0 : 544.0);
   }
   [[nodiscard]] double slope() const { return real(112, 176); }
   [[nodiscard]] double intercept() const { return real(116, 184); }

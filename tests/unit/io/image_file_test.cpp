@@ -144,6 +144,14 @@ TEST_F(ImageFile, ReadsCompressedNiftiWhateverItsName) {
   EXPECT_EQ(read("a.img", content).label_at({2, 0, 0}), 2);
 }
 
+TEST_F(ImageFile, ReadsVoxelsOfNiftiBehindTheHeaderWhereItGivesNoPlace) {
+  std::string content = NiftiBytes{}.with(bytes_of(sixty_voxels()));
+  std::fill_n(content.begin() + 108, 4, '\0');
+  const LabelImage image = read("a.nii", content);
+  EXPECT_EQ(image.values(), (std::vector<Label>{0, 1, 2}));
+  EXPECT_EQ(image.label_at({2, 0, 0}), 2);
+}
+
 TEST_F(ImageFile, ReadsNiftiOfTheOtherByteOrder) {
   NiftiBytes nifti;
   nifti.data_type = 4;
