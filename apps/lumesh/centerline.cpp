@@ -3,6 +3,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "frames.hpp"
+#include "lumesh/core/write_results.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/report/stage_json.hpp"
@@ -43,8 +44,7 @@ void run(CenterlineCommand command) {
   const CenterlineMade made = find_centerline(command.request, context);
   MeshInfo info;
   info.provenance = provenance_of(command.run.making(), command.request.path, made.provenance);
-  context.results_exist();
-  context.phase("write", [&] { write_polylines(command.output_path, made.lines, info); });
+  write_results(context, [&] { write_polylines(command.output_path, made.lines, info); });
   write_json(command.json_path,
              report::centerline_json(
                  made, session.notes({{command.output_path, "the centerline with its radius"}})));

@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/core/write_results.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/report/stage_pages.hpp"
 #include "lumesh/stages/changing_mesh.hpp"
@@ -44,8 +45,7 @@ void run(const LayersCommand& command) {
   extend_mesh(mesh, from, extension, wanted.options.cells, context);
   mesh.info.provenance = provenance_of(command.run.making(), from, input.info.provenance);
   own.bring_back(mesh);
-  context.results_exist();
-  context.phase("write", [&] { write_mesh(to, mesh.view()); });
+  write_results(context, [&] { write_mesh(to, mesh.view()); });
   say(command.run, "{}",
       layers ? report::layers_text(to, *layers) : report::extension_text(to, before, mesh));
   if (const std::string flat = layers ? layers->flat_cells_beside() : ""; !flat.empty()) context.warn(flat);

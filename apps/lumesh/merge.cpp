@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/core/write_results.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
@@ -40,8 +41,7 @@ void run(MergeCommand command) {
   mesh.info.provenance = provenance_of(command.run.making(), command.paths.front(), merged.provenance);
   const std::string problems = context.phase("check", [&] { return problems_of(mesh); });
   if (!problems.empty()) context.warn(command.output_path + ": " + problems);
-  context.results_exist();
-  context.phase("write", [&] { write_mesh(command.output_path, mesh.view()); });
+  write_results(context, [&] { write_mesh(command.output_path, mesh.view()); });
   write_json(command.json_path, report::merge_json(merged.result.report, command.paths,
                                                    session.notes({{command.output_path, kMeshWords}})));
   say(command.run, "{}", report::merge_text(command.output_path, merged.result, command.paths));

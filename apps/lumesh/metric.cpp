@@ -3,6 +3,7 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "keep_option.hpp"
+#include "lumesh/core/write_results.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/report/stage_json.hpp"
@@ -33,8 +34,7 @@ void run(const MetricCommand& command) {
   MixedMesh input = context.phase("read", [&] { return read_mesh(mesh_path); });
   MeshWithMetric made = give_metric(input, mesh_path, command.request, context);
   made.mesh.finish_metric(provenance_of(command.run.making(), mesh_path, input.info.provenance));
-  context.results_exist();
-  context.phase("write", [&] {
+  write_results(context, [&] {
     if (alone)
       write_metric(output_path, made.mesh.view().metric);
     else

@@ -2,6 +2,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/core/write_results.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
@@ -26,8 +27,7 @@ void run(RepairCommand command) {
   RepairOutcome outcome = repair_file(command.from, command.request, context);
   std::map<std::string, std::string>& provenance = outcome.surface.info.provenance;
   provenance = provenance_of(command.run.making(), command.from, provenance);
-  context.results_exist();
-  context.phase("write", [&] { write_surface(command.to, outcome.surface.view()); });
+  write_results(context, [&] { write_surface(command.to, outcome.surface.view()); });
   write_json(command.json_path,
              report::repair_json(outcome, session.notes({{command.to, "the repaired surface"}})));
   say(command.run, "{}", report::repair_text(command.to, outcome));

@@ -15,11 +15,10 @@
 namespace lumesh {
 namespace {
 
-constexpr double kStump = 5;          // Layers of voxels beyond the end, by which the boundary goes on there.
-constexpr double kAir = 4;            // Voxels around an extension: as far as the functions of a field reach.
-constexpr double kCutAir = 2;         // The same of what its end cuts off, which has to leave others.
-constexpr double kApart = 2.5;        // Voxels between two vessels whose boundaries don't feel each other.
-constexpr double kSamePlane = 0.999;  // Cosine between the normals of planes that count as one.
+constexpr double kStump = 5;    // Layers of voxels beyond the end, by which the boundary goes on there.
+constexpr double kAir = 4;      // Voxels around an extension: as far as the functions of a field reach.
+constexpr double kCutAir = 2;   // The same of what its end cuts off, which has to leave others.
+constexpr double kApart = 2.5;  // Voxels between two vessels whose boundaries don't feel each other.
 
 class ExtensionPlanner {
  public:
@@ -108,9 +107,8 @@ class ExtensionPlanner {
   }
 
   [[nodiscard]] bool are_in_one_plane(std::size_t g, std::size_t other) const {
-    const CutPlane &a = plan_.groups[g].section.plane, &b = plan_.groups[other].section.plane;
-    return a.normal.dot(b.normal) > kSamePlane &&
-           std::abs(a.normal.dot(b.point_mm - a.point_mm)) < 0.5 * voxel_mm_;
+    return lumesh::are_in_one_plane(openings_[plan_.groups[g].members[0]],
+                                    openings_[plan_.groups[other].members[0]]);
   }
 
   [[nodiscard]] static double gap_mm(const CarriedSection& a, const CarriedSection& b) {
@@ -156,7 +154,6 @@ class ExtensionPlanner {
     const auto carried = section_with_air(g, kAir), of_cut = section_with_air(g, kCutAir);
     tube.section = carried;
     tube.of_cut = of_cut;
-    tube.bare = section_with_air(g, 0);
     const bool is_circle = is_wanted(g) && transition_;
     if (is_circle && is_hollow) {
       note(g, "keeps its section, which is that of a hollow wall: a circle would close its lumen");
@@ -303,6 +300,7 @@ class ExtensionPlanner {
 
   /// Whether an opening in another plane is there: a vessel that leaves through an edge of the image has two.
   [[nodiscard]] bool is_beside_other_face(const Vec3& x, std::size_t own) const {
+    constexpr double kSamePlane = 0.999;
     for (std::size_t g = 0; g < plan_.tubes.size(); ++g) {
       const CarriedSection& bare = *plan_.tubes[g].bare;
       const double height_mm = (x - bare.centre_mm).dot(bare.normal);

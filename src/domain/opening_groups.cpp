@@ -10,13 +10,14 @@
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
-namespace {
 
 bool are_in_one_plane(const Opening& a, const Opening& b) {
   constexpr double kTiny = 1e-6;
   return a.normal.dot(b.normal) > 1 - kTiny &&
          std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) < kTiny * (1 + a.box_mm.diagonal().norm());
 }
+
+namespace {
 
 /// Squares of an opening with a neighbour outside.
 std::vector<Vec3> rim_places(const Opening& opening) {

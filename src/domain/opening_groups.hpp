@@ -17,6 +17,8 @@ struct OpeningGroup {
   EndSection section;                ///< Of all of them together.
 };
 
+[[nodiscard]] bool are_in_one_plane(const Opening& a, const Opening& b);
+
 /// Openings in one plane that touch, by their squares.
 [[nodiscard]] std::vector<OpeningGroup> group_openings(std::span<const Opening> openings);
 

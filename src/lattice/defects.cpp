@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "crossings.hpp"
-#include "lumesh/domain/facing.hpp"
+#include "folds.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "narrow_gaps.hpp"
@@ -182,12 +182,9 @@ class Defect {
   }
 
   [[nodiscard]] std::size_t count_steep() const {
-    const std::vector<Vec3>& at = part_.mesh.positions;
     return static_cast<std::size_t>(std::count_if(
         part_.boundary.triangles.begin(), part_.boundary.triangles.end(), [&](const BoundaryTriangle& t) {
-          if (t.outside != 0) return false;
-          const auto& [a, b, c] = t.vertices;
-          return cosine_to_boundary(setting_.domain, at[a], at[b], at[c], t.inside, t.outside) < min_cosine_;
+          return stands_steeper(part_.mesh, t, setting_.domain, min_cosine_);
         }));
   }
 

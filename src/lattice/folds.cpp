@@ -12,18 +12,21 @@
 
 namespace lumesh {
 
+bool stands_steeper(const WorkMesh& mesh, const BoundaryTriangle& triangle, const ImageDomain& domain,
+                    double min_cosine) {
+  if (triangle.outside != 0) return false;
+  const auto& [a, b, c] = triangle.vertices;
+  const std::vector<Vec3>& at = mesh.positions;
+  return cosine_to_boundary(domain, at[a], at[b], at[c], triangle.inside, triangle.outside) < min_cosine;
+}
+
 namespace {
 
 /// The numbers of the walls' folded triangles, ascending.
 std::vector<std::uint32_t> find_folds(const WorkMesh& mesh, const BoundaryModel& boundary,
                                       const ImageDomain& domain) {
   return parallel::collect<std::uint32_t>(boundary.triangles.size(), [&](std::size_t i, auto& out) {
-    const BoundaryTriangle& t = boundary.triangles[i];
-    if (t.outside != 0) return;
-    const auto& [a, b, c] = t.vertices;
-    const std::vector<Vec3>& at = mesh.positions;
-    if (cosine_to_boundary(domain, at[a], at[b], at[c], t.inside, t.outside) < 0)
-      out.push_back(static_cast<std::uint32_t>(i));
+    if (stands_steeper(mesh, boundary.triangles[i], domain, 0)) out.push_back(static_cast<std::uint32_t>(i));
   });
 }
 

@@ -4,6 +4,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/write_results.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/stages/input.hpp"
@@ -73,8 +74,7 @@ RenamedMesh rename_mesh(const RenamingRequest& request, Context& context) {
     made.renamings = with_patches(renamings_from(request.names), openings_in_mm(made.mesh));
     rename_patches(made.mesh.info, made.renamings);
   });
-  context.results_exist();
-  context.phase("write", [&] { write_mesh(request.to, made.mesh.view()); });
+  write_results(context, [&] { write_mesh(request.to, made.mesh.view()); });
   warn_of_faults(request.from, made.mesh.view(), context);
   return made;
 }

@@ -7,14 +7,14 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/write_results.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/quality/faults.hpp"
 
 namespace lumesh {
 
 void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context) {
-  context.results_exist();
-  context.phase("write", [&] {
+  write_results(context, [&] {
     const MeshInUnit written(mesh, output.unit);
     write_mesh(output.mesh, written.view(), output.options);
     if (!output.surface.empty()) write_surface(output.surface, written.view(), output.options);

@@ -6,6 +6,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
+#include "lumesh/core/write_results.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/io/text_file.hpp"
@@ -47,8 +48,7 @@ PhantomMade make_phantom(const PhantomRequest& request, Context& context) {
   require_lines(request.velocity, made.velocity, kind);
   const LabelImage image = context.phase("voxels", [&] { return made.phantom.rasterise(); });
   made.labels = label_topology(image);
-  context.results_exist();
-  context.phase("write", [&] { write_image(request.image, image); });
+  write_results(context, [&] { write_image(request.image, image); });
   write_text_file(request.parameters_path(), to_json_text(made.phantom.spec()));
   write_lines(request.centerline, made.centerline, kind);
   write_lines(request.velocity, made.velocity, kind);
