@@ -163,11 +163,13 @@ class Fit {
     return Band::has(state_.outlier[static_cast<std::size_t>(voxel / kLanes)], voxel % kLanes);
   }
 
+  /// Nothing where noise has left one of the four voxels on the other side: then they are not crosswise.
   void keep_apart(const Saddle& saddle) {
     float mean = 0;
     for (const Lane v : saddle.voxel) {
-      if (is_outlier(v)) return;
-      mean += 0.25F * state_.values.data()[v];
+      const float value = state_.values.data()[v];
+      if (is_outlier(v) || (value > 0) != Band::has(state_.band.plus(v / kLanes), v % kLanes)) return;
+      mean += 0.25F * value;
     }
     if (mean <= -kKeptSaddle) return;
     for (const Lane v : saddle.voxel)

@@ -245,13 +245,16 @@ namespace {
 
 void hold_saddles(FitState& state) {
   for (std::size_t i = 0; i < state.saddle_hold.size(); ++i) {
-    float mean = 0;
+    float mean = 0, weight = kHold;
     bool has_outlier = false;
     for (const Lane v : state.band.saddles()[i].voxel) {
       mean += 0.25F * state.values.data()[v];
+      weight = std::min(weight, state.hold_weight.data()[v]);
       has_outlier |= Band::has(state.outlier[static_cast<std::size_t>(v / kLanes)], v % kLanes);
     }
-    state.saddle_hold[i] = mean > -kThinDepth && !has_outlier ? kHoldThin : 0;
+    // Where labels are noisy a square counts as little as a voxel does: walls there are full of them, and all
+    // of them pull inwards.
+    state.saddle_hold[i] = mean > -kThinDepth && !has_outlier ? kHoldThin * (weight / kHold) : 0;
   }
 }
 

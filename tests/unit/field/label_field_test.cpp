@@ -279,6 +279,22 @@ TEST(LabelField, OneWrongVoxelIsNoBumpForEverButStaysWhereAsked) {
   EXPECT_EQ(differ, 0U);
 }
 
+/// Walls with an error of 0.25 and 0.4 voxels (standard deviation) at each voxel are full of squares that are
+/// crosswise: held like a vessel's they would move it inwards, by 0.035 and 0.09 voxels.
+TEST(LabelField, NoiseMovesWallsNeitherInNorOut) {
+  const ImageFrame frame = frame_of({64, 44, 44}, Vec3::Ones());
+  const TubeAxis axis = axis_through_middle(frame, {1, 0.3, 0.2});
+  for (const double deviation : {0.25, 0.4}) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0, deviation);
+    const auto label = [&](const Vec3& p) { return axis.distance(p) + noise(random) < 8 ? 1 : 0; };
+    const LabelField field(image_of(frame, 1, label), {});
+    const WallFigures w = wall_of(field, axis, 8, 14);
+    EXPECT_LT(std::abs(w.mean), 0.03) << deviation;
+    EXPECT_LT(w.normal_deg, deviation < 0.3 ? 1.3 : 2.5) << deviation;
+  }
+}
+
 TEST(LabelField, LabelsOfOneTubeShareItsWallWithoutAGroove) {
   const ImageFrame frame = frame_of({50, 32, 32}, Vec3::Ones());
   const TubeAxis axis = axis_through_middle(frame, {1, 0.12, 0.08});
