@@ -43,7 +43,7 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
     stage.figures.push_back({"Largest dihedral angle", after.max_deg, "°",
                              fmt::format("before improvement: {:.2f}", before.max_deg)});
   }
-  for (std::string& line : state.given.differences_from(state.mesh))
+  for (std::string& line : state.given.differences_from(state.mesh, state.mesh.boundary_faces()))
     stage.warnings.push_back(std::move(line));
 }
 

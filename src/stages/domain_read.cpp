@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/quality/surface.hpp"
+#include "lumesh/stages/folded_walls.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/surface_input.hpp"
@@ -150,14 +151,20 @@ const ImageShape& DomainRead::shape() {
   return *shape_;
 }
 
-std::vector<std::string> DomainRead::differences_from(const TetMesh& mesh) {
+std::vector<std::string> DomainRead::differences_from(const TetMesh& mesh, const BoundaryFaces& faces) {
   return context_.phase("check", [&] {
-    return surface ? differences_from_surface(surface->mesh, mesh) : differences(shape(), mesh);
+    if (surface) return differences_from_surface(surface->mesh, mesh);
+    return with_folds(differences(shape(), mesh), mesh.view(faces));
   });
 }
 
 std::vector<std::string> DomainRead::differences_from_lattice(const MeshView& mesh) {
-  return context_.phase("check", [&] { return differences_of_lattice(shape(), mesh); });
+  return context_.phase("check", [&] { return with_folds(differences_of_lattice(shape(), mesh), mesh); });
+}
+
+std::vector<std::string> DomainRead::with_folds(std::vector<std::string> differences, const MeshView& mesh) {
+  for (std::string& note : note_of_folds(mesh, *domain_of_image())) differences.push_back(std::move(note));
+  return differences;
 }
 
 void DomainRead::drop_image() {

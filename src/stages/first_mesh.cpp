@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/stages/folded_walls.hpp"
 
 namespace lumesh {
 namespace {
@@ -17,12 +16,6 @@ void warn_of_mesher(const std::vector<std::string>& notes, const FirstMeshInput&
                     const Context& context) {
   for (const std::string& note : notes) context.warn(note);
   if (!input.closed_vessels.empty()) context.warn(input.closed_vessels);
-}
-
-void add_folds(const MeshView& mesh, DomainRead& given, FirstMeshComparison& compared) {
-  if (given.surface) return;
-  for (std::string& note : note_of_folds(mesh, *given.domain_of_image()))
-    compared.differences.push_back(std::move(note));
 }
 
 }  // namespace
@@ -76,7 +69,6 @@ FirstMeshComparison compare_with_input(LatticeMesh& mesh, Context& context) {
   const MeshView view = mesh.made.mesh.view();
   warn_of_mesher(mesh.made.report.notes, mesh.input, context);
   FirstMeshComparison compared{given.differences_from_lattice(view), {}};
-  add_folds(view, given, compared);
   for (const std::string& line : compared.differences) context.warn(line);
   compared.openings = checked_openings(view, *given.domain_of_image(), given.openings(), context);
   return compared;
@@ -86,8 +78,7 @@ FirstMeshComparison compare_with_input(DelaunayFileMesh& mesh, Context& context)
   DomainRead& given = mesh.input.given;
   const MeshView view = mesh.made.mesh.view(mesh.faces);
   warn_of_mesher(mesh.made.report.notes, mesh.input, context);
-  FirstMeshComparison compared{given.differences_from(mesh.made.mesh), {}};
-  add_folds(view, given, compared);
+  FirstMeshComparison compared{given.differences_from(mesh.made.mesh, mesh.faces), {}};
   for (const std::string& line : compared.differences) context.warn(line);
   compared.openings = checked_openings(view, given.domain(), given.openings(), context);
   if (mesh.sizing)

@@ -5,11 +5,13 @@ Usage: run_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input, 4 tim
 """
 import hashlib
 import json
+import math
 import pathlib
 import re
 import sys
 import unittest
 from html.parser import HTMLParser
+from random import Random
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import nrrd
@@ -91,6 +93,26 @@ class CaseTest(ProgramTest):
         text = self.folder / "hashed.mesh"
         self.run_well("convert", self.out / "a.vtu", text)
         return hashlib.sha256("\n".join(lines_of(text)).encode()).hexdigest()
+
+
+class FoldsTest(ProgramTest):
+    """A wall that folds is told by whatever meshes the image."""
+
+    def test_a_case_tells_of_folded_walls_as_lattice_does(self):
+        random, size = Random(4), 24
+        waves = [([random.gauss(0, 0.35) for _ in range(3)], random.uniform(0, 6.28)) for _ in range(30)]
+        voxels = [int(sum(math.cos(a * i + b * j + c * k + phase) for (a, b, c), phase in waves) > 2)
+                  for k in range(size) for j in range(size) for i in range(size)]
+        image = nrrd.write(self.folder / "blobs.nrrd", [size] * 3, voxels)
+
+        def folds(result):
+            return re.findall(r"the wall is folded: .*? mm by \d+ degrees", result.stderr)
+
+        told = folds(self.run_well("lattice", image, "--spacing", "2.5", "-o", self.folder / "a.vtu"))
+        self.assertTrue(told)
+        case = self.folder / "case.toml"
+        case.write_text('mesher = "lattice"\n[input]\nimage = "blobs.nrrd"\n[lattice]\nspacing = 2.5\n[output]\nmeshes = ["a.vtu"]\nreport = ""\n')
+        self.assertEqual(folds(self.run_lumesh("run", case, "-o", self.folder / "out")), told)
 
 
 class SizesTest(CaseTest):

@@ -54,10 +54,11 @@ class DomainRead {
   [[nodiscard]] std::vector<std::string> doubts_about_openings();
   /// A line if no vessel has an opening, else empty.
   [[nodiscard]] std::string closed_vessels();
-  /// Lines on differences of a mesh from the image, as differences(), or ones where its outside has other
-  /// pieces or another Euler number than the surface, or its volume is more than 2 % off.
-  [[nodiscard]] std::vector<std::string> differences_from(const TetMesh& mesh);
-  /// The same as differences_of_lattice().
+  /// Lines on differences of a mesh from the image, as differences() and note_of_folds(), or ones where its
+  /// outside has other pieces or another Euler number than the surface, or its volume is more than 2 % off.
+  /// @param faces  The mesh's boundary faces.
+  [[nodiscard]] std::vector<std::string> differences_from(const TetMesh& mesh, const BoundaryFaces& faces);
+  /// Lines as those of differences_of_lattice() and note_of_folds().
   [[nodiscard]] std::vector<std::string> differences_from_lattice(const MeshView& mesh);
   /// All that is to be known before meshing, with its warnings.
   struct Survey {
@@ -80,6 +81,8 @@ class DomainRead {
 
  private:
   [[nodiscard]] const ImageShape& shape();
+  [[nodiscard]] std::vector<std::string> with_folds(std::vector<std::string> differences,
+                                                    const MeshView& mesh);
 
   DomainInput input_;
   Context& context_;
