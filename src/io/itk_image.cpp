@@ -16,6 +16,7 @@
 #include "file_fault.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "raw_image.hpp"
+#include "unpacked_file.hpp"
 #include "utf8.hpp"
 
 namespace lumesh::io {
@@ -140,8 +141,12 @@ std::map<Label, std::string> segment_names(const itk::ImageIOBase& io) {
   return names;
 }
 
-/// Null if it is of no such format.
+/// Null if it is of no such format. Looks at the checksum of what is gzipped as a whole, which ITK does not.
 itk::ImageIOBase::Pointer make_reader(const fs::path& path) {
+  if (path.extension() == ".gz") {
+    GzipInput input(path);
+    require_sound_rest(input, path);
+  }
   const QuietStreams quiet;
   const std::string name = path.string();
   const itk::ImageIOBase::Pointer candidates[] = {itk::NrrdImageIO::New().GetPointer(),
@@ -190,6 +195,7 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoic
     keep_volumes(volumes, image);
     return image;
   }
+  if (is_nrrd) require_sound_nrrd(path);
   itk::ImageIORegion region(io.GetNumberOfDimensions());
   for (unsigned i = 0; i < io.GetNumberOfDimensions(); ++i) region.SetSize(i, io.GetDimensions(i));
   io.SetIORegion(region);

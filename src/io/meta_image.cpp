@@ -158,7 +158,8 @@ ImageHeader place(const fs::path& path, const MetaHeader& header, const FileChoi
   return image;
 }
 
-/// Inflates zlib or gzip data into `out`; returns the bytes that came, none if their checksum is wrong.
+/// Inflates zlib or gzip data into `out`; returns the bytes that came, none if their checksum is wrong or
+/// missing.
 std::size_t inflate_all(std::ifstream& in, std::byte* out, std::size_t bytes) {
   constexpr std::size_t kChunk = std::size_t{1} << 18;
   constexpr int kAnyHeader = 15 + 32;
@@ -182,16 +183,15 @@ std::size_t inflate_all(std::ifstream& in, std::byte* out, std::size_t bytes) {
     code = inflate(&stream, Z_NO_FLUSH);
     done += room - stream.avail_out;
   }
-  // The checksum stands behind the last byte.
-  std::byte beyond{};
+  // The checksum stands behind the last byte, also where there are more than the header says.
+  std::vector<Bytef> beyond(kChunk);
   while (code == Z_OK && done == bytes && has_input()) {
-    stream.next_out = reinterpret_cast<Bytef*>(&beyond);
-    stream.avail_out = 1;
+    stream.next_out = beyond.data();
+    stream.avail_out = static_cast<uInt>(beyond.size());
     code = inflate(&stream, Z_NO_FLUSH);
-    if (stream.avail_out == 0) break;  // There is more than the header says.
   }
   inflateEnd(&stream);
-  return code == Z_DATA_ERROR ? 0 : done;
+  return code == Z_STREAM_END ? done : 0;
 }
 
 /// Where the voxels are.

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "file_fault.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
+#include "unpacked_file.hpp"
 
 // Layout of the headers: https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h and nifti2.h.
 namespace lumesh::io {
@@ -20,43 +20,6 @@ namespace lumesh::io {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// zlib's reader, which passes files that are not compressed through.
-class GzipInput {
- public:
-  explicit GzipInput(const fs::path& path) : path_(path), file_(::gzopen(path.c_str(), "rb")) {
-    if (file_ == nullptr) fail(path, "cannot be opened for reading");
-    constexpr unsigned kBufferBytes = 1U << 18U;
-    ::gzbuffer(file_, kBufferBytes);
-  }
-  ~GzipInput() { ::gzclose(file_); }
-  GzipInput(const GzipInput&) = delete;
-  GzipInput& operator=(const GzipInput&) = delete;
-
-  /// Bytes read, fewer than asked at the end of the file or where it is damaged.
-  std::size_t read(std::byte* out, std::size_t bytes) {
-    std::size_t done = 0;
-    while (done < bytes) {
-      constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;
-      const int got = ::gzread(file_, out + done, static_cast<unsigned>(std::min(kMostAtOnce, bytes - done)));
-      if (got <= 0) break;
-      done += static_cast<std::size_t>(got);
-    }
-    return done;
-  }
-  /// After all that was wanted: whether the checksum behind it is wrong.
-  [[nodiscard]] bool has_wrong_checksum() {
-    std::byte beyond{};
-    int code = Z_OK;
-    const bool ended = ::gzread(file_, &beyond, 1) <= 0;
-    static_cast<void>(::gzerror(file_, &code));
-    return ended && code == Z_DATA_ERROR;
-  }
-
- private:
-  fs::path path_;
-  gzFile file_;
-};
 
 constexpr std::size_t kHeader1Bytes = 348;
 constexpr std::size_t kHeader2Bytes = 540;
@@ -330,8 +293,7 @@ RawImage read_nifti(const fs::path& path, const FileChoice& choice, Context& con
   skip(input, path, volumes.first * image.frame.voxel_count() * width);
   if (input.read(image.voxels.get(), bytes) != bytes)
     fail(path, "is truncated or damaged: it holds fewer voxels than its header says; copy it again");
-  if (input.has_wrong_checksum())
-    fail(path, "is damaged: its compressed voxels are not what was written; copy it again");
+  require_sound_rest(input, path);
   if (header.swapped()) swap_bytes(image);
   const double slope = header.slope();
   const bool scaled = std::isfinite(slope) && slope != 0 && (slope != 1 || header.intercept() != 0);

@@ -2,6 +2,7 @@
 #include <libdeflate.h>
 
 #include <bit>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "file_fault.hpp"
 #include "lumesh/core/trimmed.hpp"
 #include "raw_image.hpp"
+#include "unpacked_file.hpp"
 
 namespace lumesh::io {
 
@@ -59,23 +61,46 @@ bool is_pattern(std::string_view text) {
   return at != std::string_view::npos && text[at] == 'd';
 }
 
-/// Reads the header; true if it says that one gzip stream in this machine's byte order follows.
-bool gzip_follows(std::istream& in, std::size_t voxel_bytes) {
-  bool packed = false;
-  bool own_order = voxel_bytes == 1;
+/// How a file keeps its voxels, by its header.
+struct NrrdPacking {
+  bool is_gzip = false;
+  bool is_one_stream = true;   ///< Behind the header, all of it voxels.
+  bool has_own_order = false;  ///< Voxels are in this machine's byte order.
+  std::streamoff header_bytes = 0;
+  int skipped_lines = 0;        ///< Before what is packed.
+  std::vector<fs::path> files;  ///< That hold the voxels; empty if they follow the header.
+};
+
+/// What stands behind the colon of a field, without blanks around.
+std::string_view field_value(std::string_view line) {
+  line.remove_prefix(line.find(':') + 1);
+  return trimmed(line);
+}
+
+NrrdPacking packing_of(const fs::path& path, std::istream& in, std::size_t voxel_bytes) {
+  NrrdPacking packing;
+  packing.has_own_order = voxel_bytes == 1;
+  bool lists_files = false;
   std::string text;
-  for (bool first = true; std::getline(in, text); first = false) {
-    text = lower_case(std::move(text));
-    std::string_view line = text;
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    if (line.empty()) return packed && own_order;
-    if (first && !line.starts_with("nrrd")) return false;
-    if (is_field(line, "datafile") || is_field(line, "lineskip") || is_field(line, "byteskip")) return false;
-    if (is_field(line, "encoding")) packed = holds(line, "gz");
-    if (is_field(line, "endian"))
-      own_order |= holds(line, std::endian::native == std::endian::little ? "little" : "big");
+  while (std::getline(in, text)) {
+    const std::string_view line = trimmed(text, "\r");
+    const std::string small = lower_case(std::string(line));
+    if (line.empty()) break;
+    if (lists_files) packing.files.push_back(path.parent_path() / line);
+    if (is_field(small, "datafile")) {
+      lists_files = field_value(small).starts_with("list");
+      if (!lists_files) packing.files.push_back(path.parent_path() / field_value(line));
+    }
+    if (is_field(small, "lineskip"))
+      packing.skipped_lines = std::atoi(std::string(field_value(small)).c_str());
+    if (is_field(small, "datafile") || is_field(small, "lineskip") || is_field(small, "byteskip"))
+      packing.is_one_stream = false;
+    if (is_field(small, "encoding")) packing.is_gzip = holds(small, "gz");
+    if (is_field(small, "endian"))
+      packing.has_own_order |= holds(small, std::endian::native == std::endian::little ? "little" : "big");
   }
-  return false;
+  packing.header_bytes = in ? static_cast<std::streamoff>(in.tellg()) : 0;
+  return packing;
 }
 
 }  // namespace
@@ -101,17 +126,31 @@ NrrdNotes nrrd_notes(const fs::path& path) {
 
 bool unpack_nrrd(const fs::path& path, std::size_t voxel_bytes, std::span<std::byte> voxels) {
   std::ifstream in(path, std::ios::binary);
-  if (!gzip_follows(in, voxel_bytes)) return false;
+  const NrrdPacking packing = packing_of(path, in, voxel_bytes);
+  if (!packing.is_gzip || !packing.is_one_stream || !packing.has_own_order || !in) return false;
   const std::vector<char> packed((std::istreambuf_iterator<char>(in)), {});
   const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> inflater(
       libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
   if (!inflater) return false;
-  const libdeflate_result result = libdeflate_gzip_decompress(inflater.get(), packed.data(), packed.size(),
-                                                              voxels.data(), voxels.size(), nullptr);
-  // Or its checksum is wrong, which ITK would not see.
-  if (result == LIBDEFLATE_BAD_DATA)
-    fail(path, "is damaged: its compressed voxels are not what was written; copy it again");
-  return result == LIBDEFLATE_SUCCESS;
+  return libdeflate_gzip_decompress(inflater.get(), packed.data(), packed.size(), voxels.data(),
+                                    voxels.size(), nullptr) == LIBDEFLATE_SUCCESS;
+}
+
+void require_sound_nrrd(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  NrrdPacking packing = packing_of(path, in, 1);
+  if (!packing.is_gzip) return;
+  const bool is_detached = !packing.files.empty();
+  if (!is_detached) packing.files.push_back(path);
+  for (const fs::path& file : packing.files) {
+    std::ifstream lines(file, std::ios::binary);
+    lines.seekg(is_detached ? 0 : packing.header_bytes);
+    std::string skipped;
+    for (int i = 0; i < packing.skipped_lines; ++i) std::getline(lines, skipped);
+    if (!lines) continue;  // The library behind ITK says so better.
+    GzipInput input(file, lines.tellg());
+    require_sound_rest(input, file);
+  }
 }
 
 }  // namespace lumesh::io

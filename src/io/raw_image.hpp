@@ -173,6 +173,9 @@ void keep_volumes(const VolumeRange& kept, RawImage& image);
 /// ITK then reads it, or says what is wrong.
 [[nodiscard]] bool unpack_nrrd(const std::filesystem::path& path, std::size_t voxel_bytes,
                                std::span<std::byte> voxels);
+/// Looks at checksum and length of every gzip stream of an NRRD file, which ITK does not.
+/// @throws Error{kBadInput} if one is wrong.
+void require_sound_nrrd(const std::filesystem::path& path);
 
 /// Fields of an NRRD header that ITK does not look at.
 struct NrrdNotes {

@@ -1,7 +1,9 @@
 #include "unpacked_file.hpp"
 
-#include <zlib.h>
+#include <fcntl.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "file_fault.hpp"
@@ -9,22 +11,66 @@
 
 namespace lumesh::io {
 
+namespace {
+
+/// Bytes that are unpacked at once.
+constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
+
+/// Null if it cannot be opened there.
+gzFile open_at(const std::filesystem::path& path, std::int64_t offset) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return nullptr;
+  const gzFile packed = ::lseek(file, offset, SEEK_SET) == offset ? ::gzdopen(file, "rb") : nullptr;
+  if (packed == nullptr) ::close(file);
+  return packed;
+}
+
+}  // namespace
+
+GzipInput::GzipInput(const std::filesystem::path& path, std::int64_t offset) : file_(open_at(path, offset)) {
+  if (file_ == nullptr) fail(path, "cannot be opened for reading; check the path");
+  constexpr unsigned kBufferBytes = 1U << 18U;
+  ::gzbuffer(file_, kBufferBytes);
+}
+
+std::size_t GzipInput::read(std::byte* out, std::size_t bytes) {
+  std::size_t done = 0;
+  while (done < bytes) {
+    constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;
+    const int got = ::gzread(file_, out + done, static_cast<unsigned>(std::min(kMostAtOnce, bytes - done)));
+    if (got <= 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+bool GzipInput::rest_is_sound() {
+  std::vector<std::byte> piece(kPieceBytes);
+  while (read(piece.data(), piece.size()) == piece.size()) {
+  }
+  int code = Z_OK;
+  static_cast<void>(::gzerror(file_, &code));
+  return code == Z_OK || code == Z_STREAM_END;
+}
+
+void require_sound_rest(GzipInput& input, const std::filesystem::path& path) {
+  if (!input.rest_is_sound())
+    fail(path, "is damaged or cut off: its compressed data are not what was written; copy it again");
+}
+
 std::string unpacked_file(const std::filesystem::path& path) {
   constexpr std::size_t kLarge = std::size_t{64} << 20U;
-  gzFile file = gzopen(path.c_str(), "rb");  // reads plain files too
-  if (file == nullptr) fail(path, "cannot be opened for reading; check the path");
+  GzipInput input(path);
   std::string content;
-  std::vector<char> buffer(1U << 20);
-  int got = 0;
-  bool is_too_large = false;
-  while (!is_too_large && (got = gzread(file, buffer.data(), static_cast<unsigned>(buffer.size()))) > 0) {
-    const std::size_t size = content.size() + static_cast<std::size_t>(got);
-    if (size > content.capacity() && size > kLarge) is_too_large = 2 * size > available_memory_bytes();
-    if (!is_too_large) content.append(buffer.data(), static_cast<std::size_t>(got));
+  std::vector<std::byte> piece(kPieceBytes);
+  for (std::size_t got = piece.size(); got == piece.size();) {
+    got = input.read(piece.data(), piece.size());
+    const std::size_t size = content.size() + got;
+    if (size > content.capacity() && size > kLarge && 2 * size > available_memory_bytes())
+      fail(path, "unpacking it needs more memory than there is", ErrorKind::kMemory);
+    content.append(reinterpret_cast<const char*>(piece.data()), got);
   }
-  gzclose(file);
-  if (is_too_large) fail(path, "unpacking it needs more memory than there is", ErrorKind::kMemory);
-  if (got < 0) fail(path, "its compressed data are cut off or damaged");
+  require_sound_rest(input, path);
   return content;
 }
 

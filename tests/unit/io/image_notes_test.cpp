@@ -83,6 +83,17 @@ TEST_F(ImageNotes, KeepsTheNamesOfSlicersSegments) {
   EXPECT_EQ(image.label_names(), (std::map<Label, std::string>{{2, "left ICA"}}));
 }
 
+/// The header of a GIPL file of 3 x 4 x 5 voxels of 8 bits, 1 mm wide; its numbers are big-endian.
+std::string gipl_header() {
+  std::string header(256, '\0');
+  const auto put = [&](std::size_t at, const std::string& bytes) { header.replace(at, bytes.size(), bytes); };
+  constexpr char kUnsignedByte = 8;
+  put(0, {0, 3, 0, 4, 0, 5, 0, 1, 0, kUnsignedByte});
+  for (std::size_t axis = 0; axis < 4; ++axis) put(10 + 4 * axis, {0x3f, '\x80', 0, 0});
+  put(252, {0x2a, '\xe3', '\x89', '\xb8'});
+  return header;
+}
+
 /// The format's checksum tells, where inflating alone succeeds.
 TEST_F(ImageNotes, DamagedCompressedVoxelsAreSeen) {
   const std::string voxels = bytes_of(sixty_voxels());
@@ -96,18 +107,40 @@ TEST_F(ImageNotes, DamagedCompressedVoxelsAreSeen) {
   const std::string nrrd =
       "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 4 5\nspacings: 1 1 1\nencoding: gzip\n\n";
   EXPECT_NO_THROW((void)read("good.nrrd", nrrd + deflated(voxels)));
-  EXPECT_NE(fault_of("a.nrrd", nrrd + flipped(deflated(voxels), 8)).find("damaged"), std::string::npos);
+  // Wrong checksums and lengths, and what was cut off.
+  const auto expect_damaged = [&](const std::string& name, const std::string& content) {
+    const std::string fault = fault_of(name, content);
+    EXPECT_NE(fault.find("damaged"), std::string::npos) << name << ": " << fault;
+  };
+  expect_damaged("a.nrrd", nrrd + flipped(deflated(voxels), 8));
+  expect_damaged("a.nrrd", nrrd + flipped(deflated(voxels), 1));
+  expect_damaged("a.nrrd", nrrd + flipped(deflated(voxels + "more"), 8));
+  expect_damaged("a.nrrd", nrrd + flipped(deflated(voxels.substr(1)), 8));
+  expect_damaged("a.nrrd", nrrd + deflated(voxels).substr(0, deflated(voxels).size() - 1));
+  const std::string big_endian =
+      "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 3 4 5\nspacings: 1 1 1\nendian: big\nencoding: gzip\n";
+  const std::string pairs = bytes_of(sixty_voxels<std::uint16_t>());
+  EXPECT_NO_THROW((void)read("good.nrrd", big_endian + "\n" + deflated(pairs)));
+  expect_damaged("a.nrrd", big_endian + "\n" + flipped(deflated(pairs), 8));
+  (void)fault_of("pairs.raw.gz", "first\nsecond\n" + flipped(deflated(pairs), 8));
+  expect_damaged("a.nhdr", big_endian + "line skip: 2\ndata file: pairs.raw.gz\n");
   // Larger than what zlib reads at once: else it does not look like NIfTI.
   const std::string nifti =
       NiftiBytes{.dimensions = {3, 100, 100, 100, 1, 1, 1, 1}}.with(std::string(1000000, '\1'));
   EXPECT_NO_THROW((void)read("good.nii.gz", deflated(nifti)));
-  const std::string of_nifti = fault_of("a.nii.gz", flipped(deflated(nifti), 8));
-  EXPECT_NE(of_nifti.find("damaged"), std::string::npos) << of_nifti;
+  expect_damaged("a.nii.gz", flipped(deflated(nifti), 8));
+  expect_damaged("a.nii.gz", flipped(deflated(nifti + std::string(100000, '\2')), 8));
+  expect_damaged("a.nii.gz", deflated(nifti).substr(0, deflated(nifti).size() - 1));
+  const std::string gipl = gipl_header() + voxels;
+  EXPECT_NO_THROW((void)read("good.gipl.gz", deflated(gipl)));
+  expect_damaged("a.gipl.gz", flipped(deflated(gipl), 8));
   const std::string meta =
       "ObjectType = Image\nNDims = 3\nDimSize = 3 4 5\nElementSpacing = 1 1 1\nCompressedData = True\n"
       "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n";
   EXPECT_NO_THROW((void)read("good.mha", meta + zlib_packed(voxels)));
   EXPECT_NE(fault_of("a.mha", meta + flipped(zlib_packed(voxels), 4)).find("damaged"), std::string::npos);
+  EXPECT_NE(fault_of("a.mha", meta + flipped(zlib_packed(voxels + "more"), 4)).find("damaged"),
+            std::string::npos);
 }
 
 TEST_F(ImageNotes, UnitsOfNrrdAreFollowedAndWhatBreaksItsLibraryIsRefused) {
