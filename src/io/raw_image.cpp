@@ -7,6 +7,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <numbers>
 
@@ -75,6 +76,18 @@ void swap_bytes(RawImage& image) {
   });
 }
 
+/// Far from 0 numbers of double precision cannot tell places in a voxel apart.
+void check_origin(const fs::path& path, const ImageHeader& header) {
+  if (!header.origin_mm.allFinite()) fail(path, "its origin is not a number; correct the header");
+  constexpr double kFinestPart = 1e-4;  // Of a voxel.
+  const double distance_mm = header.origin_mm.cwiseAbs().maxCoeff();
+  if (std::numeric_limits<double>::epsilon() * distance_mm > kFinestPart * header.spacing_mm.minCoeff())
+    fail(path,
+         fmt::format("its origin is {:.3g} mm from 0, too far to tell places within its voxels of {:.3g} "
+                     "mm apart; correct the origin in the header",
+                     distance_mm, header.spacing_mm.minCoeff()));
+}
+
 ImageFrame checked_frame(const fs::path& path, const ImageHeader& header, Context& context) {
   constexpr std::int64_t kLargestSide = std::int64_t{1} << 20;
   ImageFrame frame;
@@ -90,7 +103,7 @@ ImageFrame checked_frame(const fs::path& path, const ImageHeader& header, Contex
   if ((frame.size.array() < 2).any())
     fail(path, fmt::format("is a flat image of {} x {} x {} voxels; lumesh needs a 3-D one", frame.size.x(),
                            frame.size.y(), frame.size.z()));
-  if (!header.origin_mm.allFinite()) fail(path, "its origin is not a number; correct the header");
+  check_origin(path, header);
   frame.spacing_mm = header.spacing_mm;
   frame.origin_mm = header.origin_mm;
   frame.direction = nearest_orthonormal(path, header.direction, context);

@@ -206,6 +206,15 @@ TEST_F(ImageFault, AxesWithoutDirection) {
   expect_refused("a.nii", nifti.with(bytes_of(sixty_voxels())), "perpendicular");
 }
 
+TEST_F(ImageFault, OriginTooFarAwayForItsVoxels) {
+  NrrdText nrrd;
+  for (const char* origin : {"(1e15,0,0)", "(0,-1e300,0)"}) {
+    nrrd.frame = std::string("space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n") +
+                 "space origin: " + origin + "\n";
+    expect_refused("a.nrrd", nrrd.with(bytes_of(sixty_voxels())), "correct the origin");
+  }
+}
+
 TEST_F(ImageFault, MoreVoxelsThanTheFileCanHold) {
   NiftiBytes nifti;
   nifti.dimensions = {3, 32000, 32000, 32000, 1, 1, 1, 1};
