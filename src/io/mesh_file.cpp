@@ -134,9 +134,10 @@ MixedMesh read_mesh(const Path& path) {
 MixedMesh read_surface_file(const Path& path, const std::string& patch_array, const Context& context) {
   io::check_file(path);
   const MeshFormat& format = known_format_of(path, kRead);
-  if (!patch_array.empty() && format.read != io::read_vtp_surface)
+  const bool has_arrays = format.read == io::read_vtp_surface;
+  if (!patch_array.empty() && !has_arrays)
     io::fail(path, "has no arrays of cells; `patch_array` is for .vtp");
-  MixedMesh mesh = patch_array.empty() ? format.read(path) : io::read_vtp_surface_by(path, patch_array);
+  MixedMesh mesh = has_arrays ? io::read_vtp_surface_by(path, patch_array, context) : format.read(path);
   for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
   for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));
   if (format.parts.empty()) return mesh;

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "lumesh/core/context.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
@@ -39,9 +40,10 @@ void check_simvascular_folder(const std::filesystem::path& path);
 
 [[nodiscard]] MixedMesh read_vtu(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_vtp_surface(const std::filesystem::path& path);
-/// Patches by an array of cells of this name.
-[[nodiscard]] MixedMesh read_vtp_surface_by(const std::filesystem::path& path,
-                                            const std::string& patch_array);
+/// Patches by an array of cells of this name; if it is empty as read_vtp_surface(), with warnings of arrays
+/// that patches could be by but for their numbers.
+[[nodiscard]] MixedMesh read_vtp_surface_by(const std::filesystem::path& path, const std::string& patch_array,
+                                            const Context& context);
 [[nodiscard]] MixedMesh read_obj(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_off(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_legacy_vtk(const std::filesystem::path& path);

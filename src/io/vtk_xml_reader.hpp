@@ -16,6 +16,7 @@ class VtkXmlReader {
   /// @param dataset_type  What the file must hold, such as "UnstructuredGrid".
   VtkXmlReader(const std::filesystem::path& path, std::string_view dataset_type);
 
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// The dataset element; its one <Piece> is piece().
   [[nodiscard]] pugi::xml_node dataset() const { return dataset_; }
   [[nodiscard]] pugi::xml_node piece() const { return piece_; }

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -191,6 +193,9 @@ struct PatchNumbers {
   std::string unnamed = "patch_";
 };
 
+constexpr const char* kNoPatchNumbers =
+    "holds numbers that are negative or above 65000, which patches cannot have";
+
 bool are_numbers_of_patches(const std::vector<std::int64_t>& numbers) {
   constexpr std::int64_t kLargest = 65'000;
   return std::all_of(numbers.begin(), numbers.end(),
@@ -202,8 +207,10 @@ bool is_one_number(const std::vector<std::int64_t>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [&](std::int64_t id) { return id == numbers.front(); });
 }
 
-/// Ours, SimVascular's, or VMTK's, the first that tells patches apart. @param has_names  Of patches, of ours.
-PatchNumbers known_patches(const VtkXmlReader& file, std::size_t polygons, bool has_names) {
+/// Ours, SimVascular's, or VMTK's, the first that tells patches apart; warns of those of the others that do
+/// and cannot be taken. @param has_names  Of patches, of ours.
+PatchNumbers known_patches(const VtkXmlReader& file, std::size_t polygons, bool has_names,
+                           const Context& context) {
   const pugi::xml_node cells = file.piece().child("CellData");
   for (const auto& [array, unnamed] :
        {std::pair{"patch", "patch_"}, {"ModelFaceID", "face_"}, {"CellEntityIds", "face_"}}) {
@@ -212,9 +219,12 @@ PatchNumbers known_patches(const VtkXmlReader& file, std::size_t polygons, bool 
     PatchNumbers numbers{file.integers(found, array), unnamed};
     const bool is_ours = array == std::string_view("patch");
     if (is_ours && has_names) return numbers;
-    if (is_one_number(numbers.of_polygon) || (!is_ours && !are_numbers_of_patches(numbers.of_polygon)))
-      continue;
-    return numbers;
+    if (is_one_number(numbers.of_polygon)) continue;
+    if (is_ours || are_numbers_of_patches(numbers.of_polygon)) return numbers;
+    context.warn(
+        fmt::format("{}: its array {} is not taken for patches, for it {}; number its faces from 0, or name "
+                    "another array by `patch_array`",
+                    file.path().string(), array, kNoPatchNumbers));
   }
   return {std::vector<std::int64_t>(polygons, 0)};
 }
@@ -230,15 +240,14 @@ PatchNumbers patches_by(const VtkXmlReader& file, const std::string& name) {
               (known.empty() ? "it has none" : "it has" + known));
   }
   PatchNumbers numbers{file.integers(found, name.c_str()), name == "patch" ? "patch_" : "face_"};
-  if (!are_numbers_of_patches(numbers.of_polygon))
-    file.fail("array \"" + name +
-              "\" holds numbers that are negative or above 65000, which patches cannot have");
+  if (!are_numbers_of_patches(numbers.of_polygon)) file.fail("array \"" + name + "\" " + kNoPatchNumbers);
   if (is_one_number(numbers.of_polygon)) std::fill(numbers.of_polygon.begin(), numbers.of_polygon.end(), 0);
   return numbers;
 }
 
 /// @param patch_array  Empty: the first of those that are known.
-MixedMesh read_polygons(const std::filesystem::path& path, const std::string& patch_array) {
+MixedMesh read_polygons(const std::filesystem::path& path, const std::string& patch_array,
+                        const Context& context) {
   const VtkXmlReader file(path, "PolyData");
   MixedMesh mesh;
   mesh.points = read_points(file);
@@ -248,9 +257,9 @@ MixedMesh read_polygons(const std::filesystem::path& path, const std::string& pa
   const auto connectivity =
       file.integers(VtkXmlReader::find_array(polys, "connectivity"), "polygon connectivity");
   const auto offsets = file.integers(VtkXmlReader::find_array(polys, "offsets"), "polygon offsets");
-  const auto [patches, unnamed] = patch_array.empty()
-                                      ? known_patches(file, offsets.size(), !mesh.info.patches.empty())
-                                      : patches_by(file, patch_array);
+  const auto [patches, unnamed] =
+      patch_array.empty() ? known_patches(file, offsets.size(), !mesh.info.patches.empty(), context)
+                          : patches_by(file, patch_array);
   if (patches.size() < offsets.size()) file.fail("does not hold as many patches as polygons");
   std::int64_t begin = 0;
   for (std::size_t p = 0; p < offsets.size(); ++p) {
@@ -271,11 +280,12 @@ MixedMesh read_polygons(const std::filesystem::path& path, const std::string& pa
 }  // namespace
 
 MixedMesh read_vtp_surface(const std::filesystem::path& path) {
-  return read_polygons(path, "");
+  return read_polygons(path, "", Context());
 }
 
-MixedMesh read_vtp_surface_by(const std::filesystem::path& path, const std::string& patch_array) {
-  return read_polygons(path, patch_array);
+MixedMesh read_vtp_surface_by(const std::filesystem::path& path, const std::string& patch_array,
+                              const Context& context) {
+  return read_polygons(path, patch_array, context);
 }
 
 }  // namespace lumesh::io

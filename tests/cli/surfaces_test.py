@@ -338,6 +338,16 @@ class SurfacesTest(ProgramTest):
         names, _ = self.patches_made(self.solids(("vessel", points, triangles), ("nothing", points, [])))
         self.assertEqual(names, {"wall": "wall", "inlet_1": "opening", "outlet_1": "opening"})
 
+    def test_an_array_of_numbers_that_no_patch_has_is_told(self):
+        points, wall, low, high = closed_tube()
+        good = [7] * len(wall) + [8] * len(low) + [9] * len(high)
+        for bad in (-1, 100_000):
+            ids = [bad if id == 7 else id for id in good]
+            names, told = self.patches_made(self.vtp(points, wall + low + high, ModelFaceID=ids))
+            self.assertEqual(names, {"wall": "wall", "inlet_1": "opening", "outlet_1": "opening"})
+            self.assertIn("its array ModelFaceID is not taken for patches, for it holds numbers that are negative", told)
+            self.assertIn("by --patch-array", told)
+
     def test_one_opening_alone_is_told(self):
         points, wall, low, high = closed_tube()
         tip = points[-1]
