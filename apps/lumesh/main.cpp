@@ -19,6 +19,7 @@
 #include "lumesh/core/nearest_word.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/parallel/cancellation.hpp"
+#include "lumesh/parallel/cancellation_source.hpp"
 #include "option_adapter.hpp"
 #include "program.hpp"
 
@@ -86,6 +87,13 @@ bool reader_has_gone() {
   pollfd out = {STDOUT_FILENO, POLLOUT, 0};
   return poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0;
 }
+
+#ifdef __ELF__
+/// Before the libraries are initialised, which takes 20 ms and longer on a busy machine: a stop that comes
+/// then waits for the Program to answer it.
+[[gnu::section(".preinit_array"),
+  gnu::used]] void (*const kHoldSignals)() = lumesh::parallel::hold_watched_signals;
+#endif
 
 }  // namespace
 

@@ -31,6 +31,11 @@ double seconds_now() {
 
 }  // namespace
 
+void hold_watched_signals() {
+  const sigset_t signals = watched_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
 CancellationSource::CancellationSource(Options options)
     : options_(std::move(options)), signals_(watched_signals()) {
   // Threads made from now on inherit this: the watcher alone takes signals.

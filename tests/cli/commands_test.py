@@ -5,8 +5,10 @@ Usage: commands_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input, 
 """
 import json
 import math
+import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -427,6 +429,16 @@ class SignalTest(CommandTest):
                     self.assertEqual(lines_but_steps(errors)[-1], "lumesh: error: interrupted; no unfinished file is left")
         self.assertEqual(good.read_bytes(), b"what was there")
         self.assertEqual({path.name for path in self.folder.iterdir()}, before)
+
+    def test_a_signal_before_the_libraries_are_ready_is_answered_as_well(self):
+        source, library = self.folder / "early.c", self.folder / "early.so"
+        source.write_text("#include <signal.h>\n#include <unistd.h>\n"
+                          "__attribute__((constructor)) static void stop(void) { kill(getpid(), SIGTERM); }\n")
+        compiler = shutil.which("cc") or shutil.which("gcc") or self.skipTest("no C compiler")
+        subprocess.run([compiler, "-shared", "-fPIC", source, "-o", library], check=True)
+        result = subprocess.run([LUMESH, "lattice", self.image, "-o", self.mesh, "--spacing", "0.3"], capture_output=True, text=True,
+                                check=False, env={**os.environ, "LD_PRELOAD": str(library)}, preexec_fn=take_signals)
+        self.assertEqual((result.returncode, result.stderr), (4, "lumesh: error: interrupted; no unfinished file is left\n"))
 
     def test_what_nohup_ignores_stays_ignored(self):
         with subprocess.Popen([LUMESH, "lattice", self.image, "-v", "-o", self.mesh, "--spacing", "0.3"], stdout=subprocess.DEVNULL,

@@ -11,6 +11,9 @@
 
 namespace lumesh::parallel {
 
+/// Holds back the signals that a CancellationSource watches, until there is one, which takes them.
+void hold_watched_signals();
+
 /// Watches the clock and the signals SIGINT, SIGTERM and SIGHUP, but those that are ignored (nohup), and
 /// requests a stop through its tokens. One at a time; make it before other threads start, so that signals
 /// come here.
