@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -129,7 +130,9 @@ Boundary boundary_of(const MeshView& mesh, Context& context) {
   if (boundary.triangles.empty())
     throw Error(ErrorKind::kBadInput, "the mesh has neither boundary triangles nor tetrahedra");
   if (const std::size_t holes = close_holes(boundary); holes > 0)
-    context.warn(fmt::format("the surface has {} holes, which are taken as openings", holes));
+    context.warn(fmt::format("the surface has {} taken as {}",
+                             counted(holes, "hole, which is", "holes, which are"),
+                             holes == 1 ? "an opening" : "openings"));
   return boundary;
 }
 

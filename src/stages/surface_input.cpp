@@ -9,6 +9,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/io/surface_file.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/surface/closing.hpp"
@@ -31,6 +32,19 @@ void split_quadrilaterals(MixedMesh& mesh) {
   }
   mesh.quadrilaterals.clear();
   mesh.quadrilateral_patches.clear();
+}
+
+/// Equal points become one, and triangles without three corners go; other surfaces stay as they are.
+void weld_points(MixedMesh& surface) {
+  TriangleMesh welded = surfaces::weld(surface.points, surface.triangles, surface.triangle_patches);
+  const std::vector<std::uint8_t> is_used = points_in_use(surface.points.size(), surface.triangles);
+  const auto used = static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), 1));
+  if (welded.triangles.size() == surface.triangles.size() && welded.points.size() == used) return;
+  surface.points = std::move(welded.points);
+  surface.triangles = std::move(welded.triangles);
+  surface.triangle_patches = std::move(welded.patches);
+  surface.metric.clear();
+  surface.sizes_mm.clear();
 }
 
 /// Text of what was done to an opening's rim.
@@ -119,6 +133,7 @@ SurfaceInput read_surface(const std::filesystem::path& path, const std::string& 
 std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOptions& options,
                                        const Context& context) {
   split_quadrilaterals(surface);
+  weld_points(surface);
   if (options.keeps_open) return {};
   const auto patch_count = static_cast<std::int32_t>(surface.info.patches.size());
   surfaces::ClosedSurfaceMade made =

@@ -269,6 +269,16 @@ class SurfacesTest(ProgramTest):
             self.assertIn("is it in cm?", told)
         self.assertNotIn("is it in", self.run_well("info", surface, "--unit", "cm").stderr)
 
+    def test_triangles_without_three_corners_are_no_pieces_and_no_holes(self):
+        points, wall, low, high = closed_tube()
+        source = self.folder / "tube.off"
+        triangles = [*wall, *low, *high, (5, 5, 5), (7, 7, 8)]
+        source.write_text("\n".join(["OFF", f"{len(points)} {len(triangles)} 0", *("%.17g %.17g %.17g" % p for p in points),
+                                     *("3 %d %d %d" % t for t in triangles), ""]))
+        _, told = self.patches_made(source)
+        self.assertEqual(told, "")
+        self.assertEqual(self.run_well("centerline", source, "-o", self.folder / "lines.vtp").stderr, "")
+
     def test_keep_open_refuses(self):
         source = self.stl("tube.stl", *tube())
         out = self.folder / "out.vtu"
