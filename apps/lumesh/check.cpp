@@ -31,7 +31,9 @@ void run(const CheckCommand& command) {
                       fmt::format("is for images, and {} is none", command.path));
   }
   CheckReport report = check_file(command.path, command.selection, context);
-  for (Finding& finding : report.findings) finding.remedy = with_flags(finding.remedy, *command.run.command);
+  for (Finding& finding : report.findings)
+    for (std::string* text : {&finding.text, &finding.remedy})
+      *text = with_flags(*text, *command.run.command);
   context.results_exist();
   write_json(command.json_path, report::check_json(command.path, report));
   say(command.run, "{}", report::check_text(command.path, report));

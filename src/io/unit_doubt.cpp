@@ -2,13 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace lumesh {
 
 std::string unit_doubt(double longest_mm, double widest_radius_mm) {
   constexpr double kLeastMm = 1, kMostMm = 4000;
   // Models of vessels begin with a large one: 2.5 mm across are an aorta in cm rather than the widest of a
-  // tree.
-  constexpr double kWideRadiusMm = 1.25, kLongInRadii = 15;
+  // tree. Single coronary and cerebral arteries in mm are 1.5 to 2 mm wide and up to 30 mm long.
+  constexpr double kWideRadiusMm = 1.25, kLongMm = 32, kLongInRadii = 45;
   const auto remedy = [](const char* unit) {
     return fmt::format("`unit` {} says so, `unit` mm the opposite", unit);
   };
@@ -17,7 +19,7 @@ std::string unit_doubt(double longest_mm, double widest_radius_mm) {
   if (longest_mm > kMostMm)
     return fmt::format("is {:.3g} mm long; is it in micrometres? {}", longest_mm, remedy("um"));
   if (widest_radius_mm > 0 && widest_radius_mm < kWideRadiusMm &&
-      longest_mm > kLongInRadii * widest_radius_mm)
+      longest_mm > std::min(kLongMm, kLongInRadii * widest_radius_mm))
     return fmt::format("is {:.3g} mm long, and its widest opening {:.2g} mm across; is it in cm? {}",
                        longest_mm, 2 * widest_radius_mm, remedy("cm"));
   return "";

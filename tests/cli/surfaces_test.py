@@ -262,11 +262,12 @@ class SurfacesTest(ProgramTest):
         self.assertIn("--extend 2r", told["provenance"]["cuts"])
 
     def test_a_vessel_in_cm_is_doubted(self):
-        surface, case = self.stl("aorta.stl", *tube(radius=1.0, length=30.0)), self.folder / "case.toml"
+        surface, case = self.stl("aorta.stl", *tube(radius=1.0, length=34.0)), self.folder / "case.toml"
         case.write_text('mesher = "delaunay"\n[input]\nsurface = "aorta.stl"\n[delaunay]\ndelta = 0.5\n[output]\nreport = ""\n')
         for told in (self.run_lumesh("check", surface).stdout, self.run_well("info", surface).stderr,
                      self.run_well("run", case, "-o", self.folder / "out", "-q").stderr):
             self.assertIn("is it in cm?", told)
+        self.assertIn("--unit cm says so", self.run_lumesh("check", surface).stdout)
         self.assertNotIn("is it in", self.run_well("info", surface, "--unit", "cm").stderr)
 
     def test_triangles_without_three_corners_are_no_pieces_and_no_holes(self):

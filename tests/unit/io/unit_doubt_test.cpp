@@ -10,11 +10,14 @@ TEST(UnitDoubt, IsOfLengthsThatNoVesselHasInMillimetres) {
   EXPECT_NE(unit_doubt(0.3).find("`unit` m says so"), std::string::npos);
   EXPECT_NE(unit_doubt(250000).find("`unit` um says so"), std::string::npos);
   EXPECT_NE(unit_doubt(34.5, 1.0).find("`unit` cm says so"), std::string::npos);  // An aorta.
+  EXPECT_NE(unit_doubt(15, 0.3).find("`unit` cm says so"), std::string::npos);    // A carotid artery.
 }
 
 TEST(UnitDoubt, IsNotOfCerebralAndCoronaryArteriesInMillimetres) {
   EXPECT_EQ(unit_doubt(49.6, 1.72), "");  // fenics-aneurysm.
   EXPECT_EQ(unit_doubt(12.1, 0.94), "");  // A short piece of a small one.
+  EXPECT_EQ(unit_doubt(20, 1.0), "");
+  EXPECT_EQ(unit_doubt(30, 0.75), "");
   EXPECT_EQ(unit_doubt(120, 1.6), "");
   EXPECT_EQ(unit_doubt(400, 12), "");
 }
