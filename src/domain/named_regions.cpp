@@ -98,18 +98,21 @@ void NamedRegions::name_regions() {
   if (has_named_patches) note_doubts(shapes);
 }
 
-/// Ends that are taken for wall because a few bent triangles belong to their patch, and ends of one name.
+/// Ends that are taken for wall because a few bent triangles belong to their patch, walls that are taken for
+/// ends by their name, and ends of one name.
 void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
-  constexpr double kLeastFlat = 0.5;  // Of the patch's area.
+  constexpr double kLeastFlat = 0.5, kLeastBent = 0.3;  // Of the patch's area.
+  constexpr double kBentEvenness = 0.7;                 // Half a tube has 0.64, a bulging end more.
   struct Flat {
     std::uint32_t first_region = 0;
-    double area_mm2 = 0, flat_mm2 = 0;
+    double area_mm2 = 0, flat_mm2 = 0, bent_mm2 = 0;
     std::vector<std::string> places = {};
   };
   std::map<std::int32_t, Flat> patches;
   for (std::uint32_t r = 0; r < shapes.size(); ++r) {
     Flat& flat = patches.try_emplace(regions.patches[r], Flat{r}).first->second;
     flat.area_mm2 += shapes[r].area_mm2;
+    if (shapes[r].evenness < kBentEvenness) flat.bent_mm2 += shapes[r].area_mm2;
     if (!shapes[r].is_flat_end) continue;
     flat.flat_mm2 += shapes[r].area_mm2;
     flat.places.push_back(place_text(shapes[r].centre_mm));
@@ -122,6 +125,11 @@ void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
           "patch \"{}\" is flat in {:.0f} % of its area, at {}, but is taken as wall, as other "
           "triangles of it are not in that plane; leave these to the wall's patch to make it an opening",
           patch.name, 100 * flat.flat_mm2 / flat.area_mm2, fmt::join(flat.places, " and ")));
+    if (patch.kind == PatchKind::kOpening && flat.bent_mm2 >= kLeastBent * flat.area_mm2)
+      notes.push_back(
+          fmt::format("patch \"{}\" is taken as an opening, all of it, though {:.0f} % of its area are bent "
+                      "as a wall is; give these triangles to a patch of the wall",
+                      patch.name, 100 * flat.bent_mm2 / flat.area_mm2));
     if (patch.kind == PatchKind::kOpening && flat.places.size() > 1)
       notes.push_back(
           fmt::format("patch \"{}\" lies in {} separate places, at {}: openings of one name are one patch; "

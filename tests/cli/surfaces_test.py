@@ -336,6 +336,12 @@ class SurfacesTest(ProgramTest):
         self.assertRegex(told, 'patch "out" is flat in [67]. % of its area, at .0.0, 0.0, 12.0. mm, but is taken as wall')
         self.assertIn('"in" is the only opening of the surface', told)
 
+    def test_a_wall_within_the_patch_of_an_opening_is_told(self):
+        points, wall, low, high = closed_tube()
+        names, told = self.patches_made(self.solids(("inlet", points, wall + low), ("out", points, high)))
+        self.assertEqual(names, {"inlet": "opening", "out": "opening"})
+        self.assertRegex(told, 'patch "inlet" is taken as an opening, all of it, though 9[0-9] % of its area are bent')
+
     def test_an_array_of_one_number_hides_nothing(self):
         points, wall, low, high = closed_tube()
         triangles = wall + low + high
