@@ -31,15 +31,34 @@ void check_unit(const MixedMesh& mesh, std::span<const Opening> openings, CheckR
   if (!doubt.empty()) report.findings.push_back({"unit", Severity::kRemark, 1, doubt, "", {}});
 }
 
-/// Openings at flat ends and at what closes open ones; none where the inside cannot be told.
-std::vector<Opening> openings_of(MixedMesh surface) {
+/// What meshing makes of a surface before it begins.
+struct Closed {
+  std::vector<Opening> openings;  ///< Openings at flat ends and at what closes open ones.
+  std::string refusal;            ///< Why it is not meshed; empty if it is.
+};
+
+Closed closed_for_meshing(MixedMesh surface) {
   try {
     static_cast<void>(close_open_ends(surface, {}, Context()));
     const PatchedSurface patched(surface_view(surface));
-    return openings_of(patched.flat_ends(), patched.resolution_mm());
+    return {openings_of(patched.flat_ends(), patched.resolution_mm()), ""};
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
-    return {};
+    return {{}, error.what()};
+  }
+}
+
+/// Faults are what meshing refuses: those of a surface that it mends itself, as holes, are remarks.
+void judge_as_meshing(const Closed& closed, CheckReport& report) {
+  if (closed.refusal.empty()) {
+    for (Finding& finding : report.findings) {
+      if (finding.severity != Severity::kFault) continue;
+      finding.severity = Severity::kRemark;
+      finding.text +=
+          finding.kind == "holes" ? "; they are filled when meshed" : "; closing the holes mends them";
+    }
+  } else if (report.is_fit()) {
+    report.findings.push_back({"refused", Severity::kFault, 1, closed.refusal, "", {}});
   }
 }
 
@@ -48,7 +67,9 @@ CheckReport check_surface(const MixedMesh& surface, const std::filesystem::path&
       "surface", fmt::format("{} triangles, {} points", surface.triangles.size(), surface.points.size()), {}};
   report.findings =
       naming(path.string(), [&] { return surfaces::findings_of(surface.points, surface.triangles); });
-  check_unit(surface, openings_of(surface), report);
+  const Closed closed = closed_for_meshing(surface);
+  judge_as_meshing(closed, report);
+  check_unit(surface, closed.openings, report);
   return report;
 }
 

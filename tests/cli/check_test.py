@@ -70,14 +70,29 @@ class CheckTest(ProgramTest):
 
     def test_faults_are_told_with_count_place_and_remedy(self):
         triangles = tube(10)
-        missing = triangles.pop(200)
-        self.write(triangles)
-        hole = self.check(self.stl, NOT_REACHED)["holes"]
-        self.assertEqual(hole["count"], 1)
-        middle = [sum(p[k] for p in missing) / 3 for k in range(3)]
-        self.assertLess(math.dist(hole["places_mm"][0], middle), 0.3)
-        self.assertIn("lumesh repair", hole["remedy"])
+        double = triangles[200]
+        self.write([*triangles, double])
+        found = self.check(self.stl, NOT_REACHED)["duplicate_triangles"]
+        self.assertEqual((found["severity"], found["count"]), ("fault", 1))
+        middle = [sum(p[k] for p in double) / 3 for k in range(3)]
+        self.assertLess(math.dist(found["places_mm"][0], middle), 0.3)
+        self.assertIn("lumesh repair", found["remedy"])
         self.assert_refused(self.run_lumesh("check", self.stl, "-q"), NOT_REACHED, "in.stl")
+
+    def test_what_meshing_mends_is_a_remark_and_what_it_refuses_a_fault(self):
+        triangles = tube(10)
+        cut, mesh = triangles[:200] + triangles[201:202] + triangles[203:], self.folder / "mesh.vtu"
+        self.write(cut)
+        found = self.check(self.stl)
+        self.assertEqual({kind: finding["severity"] for kind, finding in found.items()}, {"holes": "remark", "non_manifold_vertices": "remark"})
+        self.assertIn("filled when meshed", found["holes"]["text"])
+        self.assertIn("lumesh repair", found["holes"]["remedy"])
+        self.assertIn("filled a hole", self.run_well("delaunay", self.stl, "-o", mesh, "--delta", "1").stdout)
+        flat = self.folder / "flat.off"
+        flat.write_text("OFF\n4 4 0\n0 0 0\n1e-200 0 0\n0 1e-200 0\n0 0 1e-200\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+        found = self.check(flat, NOT_REACHED)
+        self.assertIn("encloses nothing", found["refused"]["text"])
+        self.assert_refused(self.run_lumesh("delaunay", flat, "-o", mesh), BAD_INPUT, "encloses nothing")
 
     def test_what_cannot_be_read_is_bad_input(self):
         self.stl.write_text("solid x\nfacet")
@@ -98,16 +113,15 @@ class CheckTest(ProgramTest):
         html = page.read_text(encoding="utf-8")
         self.assertIn("fit for meshing", html)
         self.assertEqual(html.count("<img "), 1, "the surface alone")
-        del triangles[200]
-        self.write(triangles)
+        self.write([*triangles, triangles[200]])
         result = self.run_lumesh("check", self.stl, "--report", page, "--json")
         self.assertEqual(result.returncode, NOT_REACHED, result.stderr)
-        hole = json.loads(result.stdout)["findings"][0]
+        double = json.loads(result.stdout)["findings"][0]
         html = page.read_text(encoding="utf-8")
         self.assertIn("unfit for meshing", html)
         self.assertEqual(html.count("<img "), 2, "overview and close-up")
-        self.assertIn("({:.4g}, {:.4g}, {:.4g})".format(*hole["places_mm"][0]), html)
-        self.assertIn(hole["remedy"], html)
+        self.assertIn("({:.4g}, {:.4g}, {:.4g})".format(*double["places_mm"][0]), html)
+        self.assertIn(double["remedy"], html)
 
     def test_a_report_of_an_image_names_voxels(self):
         page, image = self.folder / "page.html", self.folder / "in.nrrd"
