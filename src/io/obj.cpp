@@ -20,8 +20,7 @@ class ObjReader {
   explicit ObjReader(const std::filesystem::path& path) : path_(path), in_(unpacked_file(path)) {}
 
   MixedMesh read() {
-    for (std::string line; std::getline(in_, line);) {
-      ++line_number_;
+    for (std::string line; next_line(line);) {
       std::istringstream words(line);
       std::string word;
       if (!(words >> word)) continue;
@@ -40,6 +39,18 @@ class ObjReader {
  private:
   [[noreturn]] void fail_here(std::string_view what) const {
     fail(path_, fmt::format("line {}: {}; write the file again", line_number_, what));
+  }
+
+  /// With those that it goes on in, behind a \\ at its end.
+  bool next_line(std::string& line) {
+    line.clear();
+    for (std::string part; std::getline(in_, part);) {
+      ++line_number_;
+      line += trimmed(part, kSpaces);
+      if (!line.ends_with('\\') || line.starts_with('#')) return true;
+      line.back() = ' ';
+    }
+    return !line.empty();
   }
 
   void read_point(std::istringstream& words) {
