@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 
+#include "lumesh/io/link_target.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
@@ -43,7 +44,7 @@ std::string given_options(const CLI::App& command) {
 /// Where an output goes: links are followed.
 std::filesystem::path target_of(const std::filesystem::path& path) {
   std::error_code failed;
-  const std::filesystem::path target = std::filesystem::weakly_canonical(path, failed);
+  const std::filesystem::path target = std::filesystem::weakly_canonical(io::link_target(path), failed);
   if (failed) throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written: " + failed.message());
   if (std::filesystem::is_regular_file(target, failed) && std::filesystem::is_symlink(path, failed) &&
       target.extension() != path.extension())
@@ -247,6 +248,7 @@ void check_output_folders(std::initializer_list<std::string> paths) {
     if (!is_file(path)) continue;
     check_mesh_folder(path);
     if (is_mesh_folder(path) && !path.has_filename()) path = path.parent_path();  // A slash at the end.
+    path = io::link_target(path);
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
     std::error_code ignored;
     if (!std::filesystem::is_directory(folder, ignored))

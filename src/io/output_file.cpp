@@ -7,6 +7,7 @@
 #include <cerrno>
 
 #include "file_fault.hpp"
+#include "lumesh/io/link_target.hpp"
 
 namespace lumesh::io {
 
@@ -28,9 +29,18 @@ int open_new(const fs::path& target, std::string& name) {
 
 }  // namespace
 
-OutputFile::OutputFile(const fs::path& target) : target_(target) {
+fs::path link_target(fs::path path) {
+  constexpr int kMostLinks = 40;  // As the kernel follows.
   std::error_code ignored;
-  if (fs::is_symlink(target_, ignored)) target_ = fs::weakly_canonical(target_);
+  for (int links = 0; fs::is_symlink(path, ignored); ++links) {
+    if (links == kMostLinks) fail(path, "is a link that leads round in a circle; remove it");
+    path = path.parent_path() / fs::read_symlink(path, ignored);
+  }
+  return path;
+}
+
+OutputFile::OutputFile(const fs::path& target) : target_(link_target(target)) {
+  std::error_code ignored;
   const fs::file_status status = fs::status(target_, ignored);
   if (fs::is_directory(status)) fail("is a folder", 0);
   const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "file_fault.hpp"
+#include "lumesh/io/link_target.hpp"
 
 namespace lumesh::io {
 
@@ -24,9 +25,8 @@ fs::path free_name(const fs::path& target, const char* purpose) {
 
 }  // namespace
 
-OutputFolder::OutputFolder(const fs::path& target) : target_(target) {
+OutputFolder::OutputFolder(const fs::path& target) : target_(link_target(target)) {
   std::error_code failed;
-  if (fs::is_symlink(target_, failed)) target_ = fs::weakly_canonical(target_);
   if (target_.has_parent_path() && !fs::is_directory(target_.parent_path(), failed))
     fail(target_, "its folder does not exist; create it first");
   temporary_ = free_name(target_, "part");

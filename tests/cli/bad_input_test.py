@@ -311,6 +311,15 @@ class BadInputTest(ProgramTest):
         self.assert_refused(self.run_lumesh("lattice", image, "-o", self.folder / "a.vtu"), BAD_INPUT, "a.vtu")
         self.assertEqual(mesh.read_bytes(), before)
 
+    def test_an_output_that_is_a_link_into_a_missing_folder_is_refused_at_once(self):
+        image, link = self.folder / "ball.nrrd", self.folder / "link.vtu"
+        nrrd.write(image, [16] * 3, nrrd.ball(16, 5))
+        link.symlink_to("missing/ball.vtu")
+        result = self.run_lumesh("lattice", image, "-o", link, "-v")
+        self.assert_refused(result, BAD_INPUT, "missing/ball.vtu: its folder does not exist")
+        self.assertNotIn("took", result.stderr)
+        self.assertTrue(link.is_symlink())
+
 
 class HelpTest(unittest.TestCase):
     def test_every_command_has_help_with_an_example(self):

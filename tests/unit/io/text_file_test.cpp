@@ -35,5 +35,18 @@ TEST(TextFile, FollowsLinksKeepsPermissionsAndTheFilesOfOthers) {
   EXPECT_EQ(fs::status(folder / "real.json").permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
+TEST(TextFile, WritesWhereALinkLeadsThatNothingIsAtYet) {
+  const fixtures::TemporaryFolder folder;
+  fs::create_symlink("second.json", folder / "first.json");
+  fs::create_symlink(folder / "real.json", folder / "second.json");
+  write_text_file(folder / "first.json", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "first.json"));
+  EXPECT_TRUE(fs::is_symlink(folder / "second.json"));
+  EXPECT_EQ(fixtures::read_file(folder / "real.json"), "new");
+  fs::create_symlink("missing/real.json", folder / "third.json");
+  EXPECT_THROW(write_text_file(folder / "third.json", "new"), Error);
+  EXPECT_TRUE(fs::is_symlink(folder / "third.json"));
+}
+
 }  // namespace
 }  // namespace lumesh
