@@ -22,8 +22,9 @@ void run(const InfoCommand& command) {
   CommandRun session(command.run);
   const report::FileDescription description = report::describe_file(request, session.context);
   session.context.results_exist();
-  write_json(command.json_path, description.json);
-  say(command.run, "{}", description.text);
+  const CLI::App& names = *command.run.command;
+  write_json(command.json_path, with_flags(description.json, names));
+  say(command.run, "{}", with_flags(description.text, names));
 }
 
 }  // namespace

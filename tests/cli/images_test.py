@@ -14,6 +14,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import nrrd
 from program import BAD_INPUT, USAGE, ProgramTest
 
+SHARED = pathlib.Path(__file__).resolve().parents[3] / "shared/data"
 SIZES, MIDDLE = [24, 24, 24], (11.3, 11.6, 11.1)
 
 
@@ -145,6 +146,13 @@ class ImagesTest(ProgramTest):
             self.assertEqual(label["components"], pieces)
             numbers = self.folder / "numbers.json"
             self.run_well("evaluate", self.mesh, "--json", numbers)
+
+    def test_the_table_of_info_names_options_as_the_command_line_does(self):
+        image = SHARED / "multi-label/MRIcrop-seg.gipl.gz"
+        if not image.exists():
+            self.skipTest(f"no {image}")
+        for told in (self.run_well("info", image).stdout, self.run_well("info", image, "--json").stdout):
+            self.assertIn("or give a plane with --cut-plane", told)
 
     def test_numbers_of_pieces_are_said(self):
         def pair(place):
