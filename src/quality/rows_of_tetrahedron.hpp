@@ -92,13 +92,14 @@ void for_each_tetrahedron(const MeshView& mesh, const AllCells& cells, std::size
   for (const auto& [a, b, c] : sides) use_one({points[a], points[b], points[c], centre});
 }
 
-/// Calls use(run number, begin, end) for the parts of an image's runs that the tetrahedron holds; a part is
-/// empty, begin >= end, where the tetrahedron passes between two voxels of a run.
+/// Calls use(run number, begin, end) for the parts of an image's runs that the tetrahedron holds, none of
+/// them empty: a tetrahedron that passes between two voxels holds neither.
 template <class Use>
 void for_each_held_run(const RowsOfTetrahedron& rows, const image::RunImage& image, const Use& use) {
   for (int k = std::max(0, rows.first(2)); k <= std::min(image.size.z() - 1, rows.last(2)); ++k)
     for (int j = std::max(0, rows.first(1)); j <= std::min(image.size.y() - 1, rows.last(1)); ++j) {
       const image::Run held = rows.in_row(j, k);
+      if (held.begin >= held.end) continue;
       const std::span<const image::Run> row = image.of_row(image.row(j, k));
       auto run = std::partition_point(row.begin(), row.end(),
                                       [&](const image::Run& r) { return r.end <= held.begin; });

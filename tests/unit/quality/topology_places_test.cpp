@@ -73,6 +73,23 @@ TEST(TopologyPlaces, APieceBetweenVoxelsIsExtra) {
   EXPECT_EQ(in_words(found[0]), "a piece of 0.037 mm³ (1 cell) that holds no voxel");
 }
 
+TEST(TopologyPlaces, AFlatCellBetweenVoxelsOfItsLabelIsExtra) {
+  const auto block = [](const Vec3& p) { return in_box(p, {1.5, 1.5, 1.5}, {5.5, 5.5, 5.5}); };
+  const auto both = [&](const Vec3& p) { return block(p) || in_box(p, {8.5, 8.5, 8.5}, {12.5, 12.5, 12.5}); };
+  MixedMesh mesh = mesh_of(block);
+  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  const Vec3 corners[] = {{10.4, 9.5, 9.5}, {10.4, 11.4, 9.5}, {10.4, 9.5, 11.4}, {11.2, 10.4, 10.4}};
+  mesh.points.insert(mesh.points.end(), std::begin(corners), std::end(corners));
+  mesh.tetrahedra.push_back({first, first + 2, first + 1, first + 3});
+  mesh.tetrahedron_labels.push_back(5);
+  const std::vector<TopologyDifference> differences = {{5, 0, 0, 0, 0}};
+  std::map<TopologyChange, int> count;
+  for (const TopologyPlace& place : find_topology_places(mesh.view(), image_of(both), differences))
+    ++count[place.change];
+  EXPECT_EQ(count, (std::map<TopologyChange, int>{{TopologyChange::kExtraPiece, 1},
+                                                  {TopologyChange::kMissingPiece, 1}}));
+}
+
 TEST(TopologyPlaces, VoxelsWithoutCellsAreMissing) {
   const auto with_voxels = [](const Vec3& p) {
     return bar(p) || in_box(p, {2.5, 10.5, 11.5}, {4.5, 11.5, 12.5});
