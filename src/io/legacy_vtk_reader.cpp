@@ -10,6 +10,7 @@
 
 #include "cell_blocks.hpp"
 #include "file_fault.hpp"
+#include "label_arrays.hpp"
 #include "lumesh/core/parse_number.hpp"
 #include "lumesh/core/trimmed.hpp"
 #include "mesh_formats.hpp"
@@ -321,8 +322,7 @@ class LegacyReader {
   }
 
   [[nodiscard]] const std::vector<double>* find_labels() const {
-    for (const char* name : {"label", "labels", "Label", "Material", "material", "medit:ref", "gmsh:physical",
-                             "CellEntityIds", "ModelRegionID", "cell_tags"}) {
+    for (const char* name : kLabelArrays) {
       const auto found = arrays_.find(name);
       if (found != arrays_.end() && found->second.size() == types_.size()) return &found->second;
     }

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "cell_blocks.hpp"
+#include "label_arrays.hpp"
 #include "lumesh/core/assert.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
@@ -95,10 +96,7 @@ void write_legacy_vtk(const std::filesystem::path& path, const MeshView& mesh,
   file.print("\n");
   write_field_data(file, out, mesh);
   file.print("CELL_DATA {}\n", mesh.cell_count());
-  write_label_array(file, out, mesh, "label");
-  if (options.compat == LabelAlias::kGmsh) write_label_array(file, out, mesh, "gmsh:physical");
-  if (options.compat == LabelAlias::kMedit) write_label_array(file, out, mesh, "medit:ref");
-  if (options.compat == LabelAlias::kSimVascular) write_label_array(file, out, mesh, "ModelRegionID");
+  for (const char* name : label_array_names(options.compat)) write_label_array(file, out, mesh, name);
   write_metric_field(file, out, mesh);
   file.commit();
 }

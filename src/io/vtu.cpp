@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cell_blocks.hpp"
+#include "label_arrays.hpp"
 #include "lumesh/core/assert.hpp"
 #include "mesh_formats.hpp"
 #include "metric_tensors.hpp"
@@ -128,20 +129,6 @@ void write_metric_array(VtkXmlWriter& writer, const MeshView& mesh) {
   writer.print("</PointData>\n");
 }
 
-std::vector<std::string_view> label_array_names(LabelAlias alias) {
-  switch (alias) {
-    case LabelAlias::kGmsh:
-      return {"label", "gmsh:physical", "gmsh:geometrical"};
-    case LabelAlias::kMedit:
-      return {"label", "medit:ref"};
-    case LabelAlias::kSimVascular:
-      return {"label", "ModelRegionID"};
-    case LabelAlias::kNone:
-      break;
-  }
-  return {"label"};
-}
-
 }  // namespace
 
 void write_vtu(const std::filesystem::path& path, const MeshView& mesh, const MeshWriteOptions& options) {
@@ -156,7 +143,7 @@ void write_vtu(const std::filesystem::path& path, const MeshView& mesh, const Me
   writer.points(mesh.points);
   write_cells(writer, cells);
   writer.print("<CellData Scalars=\"label\">\n");
-  for (const std::string_view name : label_array_names(options.compat)) write_labels(writer, cells, name);
+  for (const char* name : label_array_names(options.compat)) write_labels(writer, cells, name);
   writer.print("</CellData>\n</Piece>\n");
   writer.commit();
 }

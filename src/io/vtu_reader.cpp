@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cell_blocks.hpp"
+#include "label_arrays.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "metric_tensors.hpp"
@@ -14,11 +15,6 @@
 namespace lumesh::io {
 
 namespace {
-
-/// Cell arrays that may carry the label, ours first.
-constexpr std::array<const char*, 8> kLabelNames = {"label",         "labels",    "gmsh:physical",
-                                                    "medit:ref",     "cell_tags", "ModelRegionID",
-                                                    "CellEntityIds", "Material"};
 
 std::vector<Vec3> read_points(const VtkXmlReader& file) {
   const std::vector<double> values =
@@ -34,7 +30,7 @@ std::vector<Vec3> read_points(const VtkXmlReader& file) {
 
 std::vector<std::int64_t> read_labels(const VtkXmlReader& file, std::size_t cells) {
   const pugi::xml_node data = file.piece().child("CellData");
-  for (const char* name : kLabelNames) {
+  for (const char* name : kLabelArrays) {
     const pugi::xml_node array = VtkXmlReader::find_array(data, name);
     if (!array) continue;
     std::vector<std::int64_t> labels = file.integers(array, name);

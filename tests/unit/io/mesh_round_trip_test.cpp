@@ -50,6 +50,32 @@ TEST_P(MeshRoundTrip, KeepsCellsLabelsFacesAndPatches) {
   ASSERT_EQ(back.info.patches.size(), 5U);
 }
 
+/// A text with another in the place of its first `from`.
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+TEST(LabelArrays, AreTheSameInBothFormatsOfVtk) {
+  const TemporaryFolder folder;
+  const MixedMesh mesh = every_cell_shape();
+  for (const char* file : {"a.vtu", "a.vtk"}) {
+    write_mesh(folder / file, mesh.view(), {.compat = LabelAlias::kGmsh});
+    const std::string text = fixtures::read_file(folder / file);
+    for (const char* name : {"label", "gmsh:physical", "gmsh:geometrical"})
+      EXPECT_NE(text.find(name), std::string::npos) << file << ": " << name;
+    write_mesh(folder / file, mesh.view());
+    const std::string ours = fixtures::read_file(folder / file);
+    for (const std::string name : {"Label", "material", "cell_tags", "gmsh:physical"}) {
+      const bool is_xml = file == std::string("a.vtu");
+      fixtures::write_file(folder / file, is_xml ? replaced(ours, "Name=\"label\"", "Name=\"" + name + "\"")
+                                                 : replaced(ours, "SCALARS label ", "SCALARS " + name + " "));
+      EXPECT_EQ(everything(read_mesh(folder / file)), everything(mesh)) << file << ": " << name;
+    }
+  }
+}
+
 /// Formats with a place for text.
 class MeshInfoRoundTrip : public MeshRoundTrip {};
 
