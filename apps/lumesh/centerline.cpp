@@ -27,12 +27,17 @@ void check(CenterlineCommand& command) {
   CenterlineRequest& request = command.request;
   if (!command.output_path.ends_with(".vtp"))
     throw Error(ErrorKind::kUsage, command.output_path + ": unknown format of lines; use .vtp");
-  if (is_mesh_file(request.path))
-    require_not_given(*command.run.command, options_of(request.selection),
+  const CLI::App& given = *command.run.command;
+  if (is_mesh_file(request.path)) {
+    require_not_given(given, options_of(request.selection),
                       fmt::format("is for images, and {} is a mesh", request.path));
-  else if (command.run.command->get_option("--voxel")->count() > 0)
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--voxel is for meshes, and {} is an image; leave it out", request.path));
+  } else {
+    require_not_given(given, options_of(request.surface),
+                      fmt::format("is for surfaces, and {} is an image", request.path));
+    if (given.get_option("--voxel")->count() > 0)
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("--voxel is for meshes, and {} is an image; leave it out", request.path));
+  }
   request.options.validate();
   check_files({command.output_path, command.json_path}, {request.path}, request.selection);
 }

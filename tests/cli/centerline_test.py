@@ -100,6 +100,7 @@ class CenterlineTest(ProgramTest):
                                 ((self.image, "-o", self.out, "--spacing", "0"), "--spacing"),
                                 ((self.image, "-o", self.out, "--shortest-tip", "0.1"), "--shortest-tip"),
                                 ((self.image, "-o", self.out, "--voxel", "1"), "--voxel"),
+                                ((self.image, "-o", self.out, "--keep-open"), "--keep-open"),
                                 ((stl, "-o", self.out, "--labels", "1"), "--labels"),
                                 ((stl, "-o", self.out, "--threshold", "1"), "--threshold"),
                                 ((self.image,), "--output")):

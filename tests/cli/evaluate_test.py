@@ -121,6 +121,13 @@ class EvaluateTest(ProgramTest):
         lines.write_text(lines.read_text(encoding="latin-1").replace('Name="radius"', 'Name="width"'), encoding="latin-1")
         self.assert_refused(self.run_lumesh(*with_image, lines), BAD_INPUT, "lines.vtp", "radius", "lumesh centerline")
 
+    def test_options_of_an_image_need_one(self):
+        mesh = self.folder / "cube.mesh"
+        points, tetrahedra, _ = cube.cube(2)
+        cube.write_medit(mesh, points, tetrahedra, [])
+        for option in (("--threshold", 3), ("--largest-component",)):
+            self.assert_refused(self.run_lumesh("evaluate", mesh, *option), USAGE, option[0], "--image names none")
+
     def test_an_object_without_axes_has_no_sections(self):
         ball = nrrd.write(self.folder / "ball.nrrd", [24] * 3, nrrd.ball(24, 8))
         mesh = self.folder / "ball.vtu"
