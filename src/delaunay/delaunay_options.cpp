@@ -11,10 +11,8 @@ void DelaunayOptions::describe(OptionList& list) {
       .excludes("delta");
   list.number("delta", delta_mm, above(0),
               "Instead of the edge length: no place of a surface is farther than this from a point of the "
-              "mesh on it "
-              "(R1); edges of surfaces are about 1.3 times as long. Less where a part or a gap is thin, at "
-              "least a "
-              "third of it")
+              "mesh on it (R1); edges of surfaces are about 1.3 times as long. Less where a part or a gap is "
+              "thin, in a vessel a third of its width, but at least a third of delta")
       .in("mm")
       .zero("edge_length / 1.3");
   list.number("size", size_mm, above(0),

@@ -120,7 +120,7 @@ double Spacing::measured_spacing(const Place& place) const {
 }
 
 double Spacing::spacing_of_thin_parts(const Vec3& x, const Vec3& towards_first, const Place& place) const {
-  constexpr double kPerThickness = 0.45;  // About seven points around a vessel.
+  constexpr double kPerThickness = 0.32;  // Seven or eight edges around a vessel, for its sections.
   constexpr double kPerGap = 0.7;
   double spacing = delta_mm_;
   for (const Material m : place.pair) {

@@ -176,6 +176,39 @@ TEST(DelaunayMesh, EndsInFlatCapsWhereTheVesselLeavesTheImage) {
   EXPECT_NEAR(cap_area / (2 * std::numbers::pi * 49), 1, 0.03);
 }
 
+/// Area of the section of a mesh by the plane of places whose product with a direction is `at`.
+double section_area(const TetMesh& mesh, const Vec3& direction, double at) {
+  double area = 0;
+  for (std::uint32_t i = 0; i < mesh.tet_count(); ++i) {
+    std::vector<Vec3> below, above;
+    for (int corner = 0; corner < 4; ++corner) {
+      const Vec3 p = mesh.corner(TetId(i), corner);
+      (p.dot(direction) < at ? below : above).push_back(p);
+    }
+    std::vector<Vec3> cut;
+    for (const Vec3& low : below)
+      for (const Vec3& high : above)
+        cut.push_back(low + (at - low.dot(direction)) / (high - low).dot(direction) * (high - low));
+    if (cut.size() == 3) area += 0.5 * (cut[1] - cut[0]).cross(cut[2] - cut[0]).norm();
+    if (cut.size() == 4) area += 0.5 * (cut[3] - cut[0]).cross(cut[2] - cut[1]).norm();  // Its diagonals.
+  }
+  return area;
+}
+
+TEST(DelaunayMesh, ThinVesselsKeepTheirSectionsAtTheDefaultSize) {
+  const Vec3 axis = Vec3(1, 0.3, 0.2).normalized();
+  for (const double radius : {2.0, 2.5, 3.0}) {
+    const LabelImage image = voxels_of(frame_of({56, 44, 40}), {0, 1}, [&](const Vec3& p) {
+      return (p - Vec3(27.3, 21.6, 19.8)).cross(axis).norm() < radius ? 1 : 0;
+    });
+    const TetMesh mesh = meshed(image, {}).mesh;
+    const double middle = Vec3(27.3, 21.6, 19.8).dot(axis);
+    for (double at = middle - 15; at < middle + 15; at += 0.5)
+      EXPECT_NEAR(section_area(mesh, axis, at) / (std::numbers::pi * radius * radius), 1, 0.05)
+          << "radius " << radius << ", " << at - middle << " mm from the middle";
+  }
+}
+
 TEST(DelaunayMesh, OfSeveralLabelsConformsWhereTheyMeet) {
   const LabelImage image = nested_balls(13);
   const DelaunayResult result = meshed(image, {.delta_mm = 1.2});
