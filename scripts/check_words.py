@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Checks the words of doc comments, and that pages of stages are whole.
 
-A doc line says what it documents ("Planes of the patch."), not whose it is ("Of its planes."). Doc lines (`///`, `///<`) that begin with
-"Of" or "Those" are counted against a budget, which only ever becomes smaller: what remains stands behind members whose name is the
-noun. A page of docs/stages has the headings "## Limits" and "## Sources" and a picture, which is there.
+A doc line says what it documents ("Planes of the patch."), not whose it is ("Of its planes.") or where ("What it has of planes."). Doc
+lines (`///`, `///<`) that begin without a noun, with "Of", "What", "Where", "As", "The same" and the like, are counted against a budget, which
+only ever becomes smaller: what remains stands behind members whose name is the noun. A page of docs/stages has the headings "## Limits" and "## Sources" and a picture, which is there.
 
 Usage: check_words.py [--list] [ROOT]      --list: the lines that count
 """
@@ -13,16 +13,18 @@ import sys
 
 import sources
 
-BUDGET = 85
+BUDGET = 518
 FOLDERS = ("include", "internal", "src", "apps", "tests", "benchmarks", "examples")
-NO_NOUN = re.compile(r"///<?\s+(?:Of|Those)\s")
+NO_NOUN = re.compile(r"///<?\s+(?:Of|Those|What|Where|Whose|As|The same|All|But|Also|Only|By how|None)\s")
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]*)\)")
 
 
 def lines_without_noun(root, files):
     for path in files:
+        is_within = False  # A comment's second and further lines may begin with any word.
         for number, line in enumerate((root / path).read_text().splitlines(), 1):
-            if NO_NOUN.search(line): yield f"{path}:{number}: {line.strip()}"
+            if not is_within and NO_NOUN.search(line): yield f"{path}:{number}: {line.strip()}"
+            is_within = line.lstrip().startswith("///") and not line.rstrip().endswith(".")
 
 
 def faults_of_page(page, root):
@@ -44,7 +46,7 @@ def main():
     lines = list(lines_without_noun(root, files))
     faults = [fault for page in pages for fault in faults_of_page(page, root)] + sources.faults_of_nothing(files, root)
     if len(lines) > BUDGET:
-        faults.append(f"{len(lines)} doc lines begin with 'Of' or 'Those', {BUDGET} may; name what they document (--list shows them)")
+        faults.append(f"{len(lines)} doc lines begin without a noun (Of, What, Where, As, …), {BUDGET} may; name what they document (--list shows them)")
     if listed or len(lines) > BUDGET: print("\n".join(lines))
     print("\n".join(faults + [f"check_words: {len(files)} files, {len(pages)} pages, {len(lines)} of {BUDGET} doc lines without their noun, {len(faults)} faults"]))
     return 1 if faults else 0

@@ -71,10 +71,11 @@ bool refined(delaunay::Refinement& refinement, std::span<const delaunay::Boundar
   refinement.name_materials();
   report.rules_hold = false;
   if (!context.cancelled())
-    report.notes.push_back(fmt::format(
-        "the rules still ask for points after {} rounds ({} in the last): where parts are thin, or a "
-        "criterion asks for more than points can give, bounds on shapes and sizes may not hold",
-        report.rounds.size(), report.rounds.back().inserted));
+    report.notes.push_back(
+        fmt::format("refinement stopped after {} rounds with rules unmet ({} points in the last): where "
+                    "parts are thin, or a "
+                    "criterion asks for more than points can give, bounds on shapes and sizes may not hold",
+                    report.rounds.size(), report.rounds.back().inserted));
   return !context.cancelled();
 }
 
@@ -123,7 +124,7 @@ delaunay::Spacing spacing_of(const Domain& domain, const DelaunayOptions& option
   return {domain, delta_mm, size_mm, surface_distance_mm, graded != nullptr ? graded : options.sizing};
 }
 
-/// However flat tetrahedra become: slivers are left to improvement.
+/// Moves surface vertices onto the surface, however flat tetrahedra become: slivers are left to improvement.
 std::size_t settle_in(const Domain& domain, const DelaunayOptions& options, TetMesh& mesh) {
   const auto always = [](std::size_t, const std::array<Vec3, 4>&, const std::array<Vec3, 4>&) {
     return true;

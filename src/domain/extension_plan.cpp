@@ -83,10 +83,10 @@ class ExtensionPlanner {
       if (const auto axis = end_axis(domain_, section, std::max(depth_mm, kLeastDepth * voxel_mm_)))
         directions_[g] = *axis;
       else
-        note(
-            g,
-            "goes on square to its plane: the vessel forks, bulges or begins there, or runs almost along the "
-            "plane, so that its direction is not clear; cut it further inside with `cut_at`");
+        note(g,
+             "has an extension perpendicular to its plane: the vessel forks, bulges or begins there, or runs "
+             "almost "
+             "along the plane, so that its direction is not clear; cut it further inside with `cut_at`");
     }
   }
 

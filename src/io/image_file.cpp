@@ -73,8 +73,8 @@ std::optional<LevelSetSide> guessed_level_set(const io::RawImage& raw, const fs:
                      "`level_set` negative or positive; if it is none");
   const bool is_negative = *side == LevelSetSide::kNegative;
   context.warn(fmt::format(
-      "{}: is taken for a level set, {} inside of the object, where fewer voxels are; `level_set` {} "
-      "says so, {} the opposite",
+      "{}: is read as a level set that is {} inside the object, the side with fewer voxels; `level_set` {} "
+      "confirms this, {} says the opposite",
       path.string(), is_negative ? "negative" : "positive", is_negative ? "negative" : "positive",
       is_negative ? "positive" : "negative"));
   return side;

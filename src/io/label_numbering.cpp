@@ -217,8 +217,8 @@ LabelImage number_typed(std::span<const Voxel> voxels, const ImageFrame& frame, 
   if (wanted.empty() && neighbours_mostly_differ(image))
     fail_as_values(
         voxels, path,
-        fmt::format("has {} different values, and neighbours mostly differ: these are hardly labels "
-                    "(else name them by `labels`)",
+        fmt::format("has {} different values, and neighbours mostly differ: these look like grey values "
+                    "rather than labels (if they are labels, name them by `labels`)",
                     labels.size() - 1));
   return image;
 }

@@ -71,7 +71,7 @@ class Defect {
         probes_(probes_near(setting.image, setting.domain, centre_mm, kShell * voxel_mm_)),
         finder_(setting.domain, probes_) {}
 
-  /// What a try costs: the tetrahedra that it works on, and something for what each try costs besides.
+  /// Cost of one attempt: the tetrahedra that it works on, and a constant.
   [[nodiscard]] std::size_t cost() const { return part_.mesh.tets.size() + 1500; }
 
   /// First as it is, then anew from the lattice, at most until `max_tries` tries have been made.
@@ -109,7 +109,7 @@ class Defect {
   [[nodiscard]] MeshPart take() { return std::move(best_); }
 
  private:
-  /// What is off by little is worth few tries only.
+  /// False for small deviations after a few attempts.
   [[nodiscard]] bool is_worth_try(std::size_t n) const {
     constexpr double kLittle = 1.2;  // voxels
     constexpr std::size_t kFew = 3;

@@ -439,7 +439,7 @@ std::optional<Vec3> Fitter::on_one_boundary(std::uint32_t v) const {
   return best;
 }
 
-/// Where a boundary vertex shall go.
+/// Target position of a boundary vertex.
 Vec3 Fitter::target_of(std::uint32_t v) const {
   if (targets_.anchors_mm[v]) return *targets_.anchors_mm[v];
   const Vec3& x = mesh_.positions[v];

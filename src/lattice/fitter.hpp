@@ -75,7 +75,7 @@ class Fitter {
   [[nodiscard]] std::vector<double> averaged(const std::vector<double>& values) const;
 
  private:
-  /// What a place is worth for a vertex: the worst angle quality around it and, on a smooth boundary, how
+  /// Score of a position for a vertex: the worst angle quality around it and, on a smooth boundary, how
   /// well the triangles around it face outwards, so that the surface does not fold.
   struct Score {
     double angles = 0;

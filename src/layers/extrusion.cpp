@@ -288,8 +288,8 @@ class Extruder {
     constexpr double kLowestRow = 0.25;  // Of the edges.
     if (!s.is_clear)
       result_.notes.push_back(
-          fmt::format("{}: {} goes on square to itself: the walls before it do not say the "
-                      "vessel's direction; cut it further inside, where it runs straight",
+          fmt::format("{}: the extension of {} is perpendicular to the opening: the walls before it do not "
+                      "show the vessel's direction; cut it further inside, where it runs straight",
                       option_name("extend"), name));
     const double cosine = s.axis.dot(s.normal);
     const double slant_mm = s.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine));
@@ -303,8 +303,9 @@ class Extruder {
           given_mm < length_mm   ? "another part of the surface is in the way at " + place_text(hit->place_mm)
           : slant_mm > length_mm ? std::string("it is cut off obliquely")
                                  : fmt::format("its edges are {:.3g} mm long", s.edge_mm);
-      result_.notes.push_back(fmt::format("{}: {} goes on by {:.4g} mm, not {:.4g} mm: {}",
-                                          option_name("extend"), name, given_mm, length_mm, reason));
+      result_.notes.push_back(
+          fmt::format("{}: the extension of {} is {:.4g} mm long instead of {:.4g} mm: {}",
+                      option_name("extend"), name, given_mm, length_mm, reason));
     }
     if (given_mm == 0) return;
     if (mesh().view().cell_count() > 0) find_labels(s);

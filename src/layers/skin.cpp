@@ -23,7 +23,7 @@ class Skin {
     }
   }
 
-  /// What else must not be cut.
+  /// Adds the outside, which must not be cut either.
   void add_outside(const TetMesh& mesh) {
     const auto base = static_cast<std::uint32_t>(points_.size());
     points_.insert(points_.end(), surface_.points.begin(), surface_.points.end());

@@ -42,7 +42,8 @@ struct AdaptOptions {
   Reconnection reconnection = Reconnection::kOptimised;
   ExecutionKind execution = ExecutionKind::kOrdered;
   parallel::TeamOptions team = {};
-  bool as_cdt3d_with_metric = true;  ///< What its parameters met, meval and reconstruct ask for: always so.
+  bool as_cdt3d_with_metric =
+      true;  ///< Accepted for CDT3D's command lines (met, meval, reconstruct); only true is allowed.
   operators::KeepWithin keep_within =
       {};  ///< Where vertices of curved patches may be in the end; null: everywhere.
 

@@ -45,7 +45,7 @@ struct VoxelBox {
   Index3 low = Index3::Zero();
   Index3 high = Index3::Zero();  ///< One past the last voxel.
 
-  /// What add() begins with.
+  /// Empty box, with which add() begins.
   [[nodiscard]] static VoxelBox nothing() {
     return {Index3::Constant(std::numeric_limits<int>::max()), Index3::Constant(-1)};
   }

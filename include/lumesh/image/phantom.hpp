@@ -45,7 +45,7 @@ struct PhantomSpec {
   Vec3 rotation_deg = Vec3::Zero();  ///< Turns of the direction cosines about x, then y, then z.
   Vec3 origin_mm = Vec3::Zero();     ///< Centre of voxel (0, 0, 0).
 
-  /// All but the kind.
+  /// Describes every field but the kind.
   void describe(OptionList& list);
   /// Size, spacing and noise alone. @param prefix  Of the names, where options of other things are beside.
   void describe_image(OptionList& list, const std::string& prefix = "");

@@ -61,7 +61,7 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 /// Memory: the file, and the mesh.
 [[nodiscard]] MixedMesh read_mesh(const std::filesystem::path& path);
 
-/// What files of meshes, and of metrics beside them, can be used for.
+/// Uses of files of meshes, and of metrics beside them.
 enum class MeshUse : std::uint8_t {
   kRead,          ///< read_mesh().
   kReadVolume,    ///< The same where cells are wanted.

@@ -62,7 +62,7 @@ struct LayerOptions {
   struct Aflr {
     int mbl = 1, fints = 0;
     bool open = false;
-  } aflr = {};  ///< What AFLR has to be told and is always so here.
+  } aflr = {};  ///< AFLR's parameters of fixed value, accepted for its command lines.
 
   /// Whether the sizes of the surface choose the number of layers, place by place.
   [[nodiscard]] bool counts_by_sizes() const { return count == 0 && thickness == 0; }

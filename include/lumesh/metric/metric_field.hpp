@@ -76,7 +76,7 @@ class MetricField {
 /// Sets metric and logarithm of every vertex from the field. Calls enable_metric(). Parallel inside.
 void assign_vertex_metrics(TetMesh& mesh, const MetricField& field);
 
-/// The same, and the quality of every tetrahedron.
+/// Sets metric and logarithm of every vertex, and the quality of every tetrahedron.
 void assign_metric(TetMesh& mesh, const MetricField& field);
 
 /// Measures every tetrahedron in the metric of its vertices.

@@ -60,15 +60,15 @@ struct ImageSelection {
 [[nodiscard]] LabelImage read_selected_image(const std::filesystem::path& path,
                                              const ImageSelection& selection, Context& context);
 
-/// What of an image or a surface is cut off, and how far it goes on beyond its openings.
+/// Cuts of an image or a surface, and extensions beyond its openings.
 struct InputCuts {
-  std::vector<CutPlane> planes = {};  ///< As they are, through everything.
+  std::vector<CutPlane> planes = {};  ///< Unbounded planes.
   std::vector<Vec3> places_mm = {};   ///< Each cuts the one vessel there, square to its axis.
   std::string ends = {};            ///< For local_length_from(): how far from each end it is cut; empty: not.
   ExtensionOptions extension = {};  ///< Of what is left.
 
   [[nodiscard]] bool none() const { return planes.empty() && is_whole(); }
-  /// But for planes, which a phantom can be cut with, too.
+  /// True if nothing but planes, which phantoms may have too, cuts or extends.
   [[nodiscard]] bool is_whole() const { return places_mm.empty() && ends.empty() && !extension.is_wanted(); }
 
   void describe(OptionList& list);

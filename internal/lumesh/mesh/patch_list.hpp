@@ -53,7 +53,7 @@ namespace lumesh {
   return name.starts_with("inlet") || name.starts_with("outlet") || is_rim_name(name);
 }
 
-/// What such files mean by a name.
+/// Kind of patch that a name means in such files.
 [[nodiscard]] inline PatchKind kind_of_name(std::string_view name) {
   if (is_opening_name(name)) return PatchKind::kOpening;
   return name.starts_with("symmetry") ? PatchKind::kSymmetry : PatchKind::kWall;

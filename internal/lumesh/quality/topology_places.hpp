@@ -14,7 +14,7 @@
 
 namespace lumesh::quality {
 
-/// By how much a label of the mesh has more than its voxels.
+/// Pieces, handles and cavities that a label of the mesh has beyond its voxels'.
 struct TopologyDifference {
   Label label = kBackground;
   std::int64_t components = 0, handles = 0, cavities = 0, euler = 0;

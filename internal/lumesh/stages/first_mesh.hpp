@@ -28,7 +28,7 @@ struct DelaunayFileRequest {
   DelaunayRequest mesher;
 };
 
-/// What both know besides the mesh.
+/// Input of a first mesh as read, with its notes.
 struct FirstMeshInput {
   DomainRead given;
   std::string closed_vessels = {};             ///< See DomainRead::closed_vessels().
@@ -57,7 +57,7 @@ struct DelaunayFileMesh {
 [[nodiscard]] DelaunayFileMesh make_delaunay_mesh(const DelaunayFileRequest& request, const Making& making,
                                                   Context& context);
 
-/// What a first mesh makes of its input.
+/// Comparison of a first mesh with its input.
 struct FirstMeshComparison {
   std::vector<std::string> differences;  ///< Lines on differences from the image or surface.
   OpeningsCompared openings;
