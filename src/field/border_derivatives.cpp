@@ -79,7 +79,7 @@ class Cuts {
 
 }  // namespace
 
-BorderDerivatives::BorderDerivatives(const Band& band, ThirdTargets& targets)
+BorderDerivatives::BorderDerivatives(const Band& band, DifferenceTargets& targets)
     : grid_(band.grid().size_x(), band.grid().size_y(), band.grid().size_z()) {
   const Cuts cuts(band);
   const auto is_near = [&](Lane first) {
@@ -90,7 +90,7 @@ BorderDerivatives::BorderDerivatives(const Band& band, ThirdTargets& targets)
   grid_.number();
   if (grid_.end() == 1) return;
   targets.place.assign(band.segment_count(), 0);
-  for (LaneArray& rows : targets.third) rows.assign(grid_.end(), 0);
+  for (LaneArray& rows : targets.rows) rows.assign(grid_.end(), 0);
   segments_.assign(static_cast<std::size_t>(grid_.end()), 0), alive_.assign(segments_.size(), 0);
   fade_.assign(grid_.end(), 0), counted_.assign(grid_.end(), 0);
   for (int n = 1; n < grid_.end(); ++n) {
@@ -128,7 +128,7 @@ void BorderDerivatives::update(const LaneArray& values, Energy& energy) {
       store(share.at(n), keep(taken, count > Lanes{} + kLeastCount));
     }
   });
-  for (LaneArray& rows : energy.targets.third) {
+  for (LaneArray& rows : energy.targets.rows) {
     sum_over_window(rows);
     for_each_segment_block(grid_.end(), [&](int begin, int end) {
       for (int n = begin; n < end; ++n) store(rows.at(n), load(rows.at(n)) * load(share.at(n)));
@@ -136,27 +136,27 @@ void BorderDerivatives::update(const LaneArray& values, Energy& energy) {
   }
 }
 
-/// The third differences and the Laplacian of the voxels that count, and 1 for each of these. A voxel counts
-/// if none of its rows reaches outside the band.
+/// The differences and the Laplacian of the voxels that count, and 1 for each of these. A voxel counts if
+/// none of its rows reaches outside the band.
 void BorderDerivatives::take_derivatives(const LaneArray& values, Energy& energy) {
   const Vec3& edges = energy.band->edges();
   const Vec3 per_square = edges.cwiseProduct(edges).cwiseInverse();
   const auto wx = static_cast<float>(per_square.x()), wy = static_cast<float>(per_square.y()),
              wz = static_cast<float>(per_square.z());
   count_.assign(grid_.end(), 0), laplacian_.assign(grid_.end(), 0);
-  for (LaneArray& rows : energy.targets.third) rows.assign(grid_.end(), 0);
+  for (LaneArray& rows : energy.targets.rows) rows.assign(grid_.end(), 0);
   for_each_segment_block(grid_.end(), [&](int begin, int end) {
     for (int n = begin; n < end; ++n) {
       Lanes counted = load(counted_.at(n));
       if (!(sum(counted) > 0)) continue;
       const std::int32_t s = segments_[static_cast<std::size_t>(n)];
       Differences d = differences_of(gather(energy.band->rows(s), s, values.data()));
-      const auto rows = third_of(d);
+      const auto rows = rows_of(d);
       for (const Lanes* row : rows) counted = keep(counted, *row == *row);
       store(count_.at(n), counted);
       store(laplacian_.at(n), keep(wx * d.xx + wy * d.yy + wz * d.zz, counted > Lanes{}));
-      for (std::size_t c = 0; c < kThirdCount; ++c)
-        store(energy.targets.third[c].at(n), keep(*rows[c], counted > Lanes{}));
+      for (std::size_t c = 0; c < kDifferenceCount; ++c)
+        store(energy.targets.rows[c].at(n), keep(*rows[c], counted > Lanes{}));
     }
   });
 }

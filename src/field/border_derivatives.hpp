@@ -1,5 +1,5 @@
 #pragma once
-// What third derivatives the function is to have near the border of the image.
+// What third and second derivatives the function is to have near the border of the image.
 
 #include <cstdint>
 #include <optional>
@@ -11,13 +11,14 @@
 
 namespace lumesh::field {
 
-/// Inside, constant third derivatives, as those of a vessel that bends, exert no force. Where the image ends
-/// nothing further out holds the function, and least third derivatives would straighten it: there they are to
-/// be those a few voxels further in, in the mean.
+/// Inside, constant derivatives exert no force: neither the third ones of a vessel that bends, nor the second
+/// ones of a tube. Where the image ends nothing further out holds the function; least third derivatives would
+/// straighten it there, and least second ones flatten it, which widens a vessel, an oblique one most. There
+/// they are to be those a few voxels further in, in the mean.
 class BorderDerivatives {
  public:
   /// Sets where the targets are, all 0 at first.
-  BorderDerivatives(const Band& band, ThirdTargets& targets);
+  BorderDerivatives(const Band& band, DifferenceTargets& targets);
 
   /// Takes the targets from the function.
   void update(const LaneArray& values, Energy& energy);

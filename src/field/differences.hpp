@@ -11,7 +11,13 @@ struct Differences {
   Lanes xx, yy, zz, xy, xz, yz;
 };
 
-inline constexpr std::size_t kThirdCount = 10;
+inline constexpr std::size_t kThirdCount = 10, kDifferenceCount = 16;
+
+/// As third_of() orders them, then xx, yy, zz, xy, xz, yz.
+[[gnu::always_inline]] inline std::array<Lanes*, kDifferenceCount> rows_of(Differences& d) {
+  return {&d.xxx, &d.yyy, &d.zzz, &d.xxy, &d.xyy, &d.xxz, &d.xzz, &d.yyz,
+          &d.yzz, &d.xyz, &d.xx,  &d.yy,  &d.zz,  &d.xy,  &d.xz,  &d.yz};
+}
 
 /// xxx, yyy, zzz, xxy, xyy, xxz, xzz, yyz, yzz, xyz.
 [[gnu::always_inline]] inline std::array<Lanes*, kThirdCount> third_of(Differences& d) {

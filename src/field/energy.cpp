@@ -23,12 +23,12 @@ namespace {
           times(d.zz, w.zz),   times(d.xy, w.xy),   times(d.xz, w.xz),   times(d.yz, w.yz)};
 }
 
-[[gnu::always_inline]] inline void subtract_targets(const ThirdTargets& targets, int segment,
+[[gnu::always_inline]] inline void subtract_targets(const DifferenceTargets& targets, int segment,
                                                     Differences& d) {
   const std::int32_t place = targets.place.empty() ? 0 : targets.place[static_cast<std::size_t>(segment)];
   if (place == 0) return;
-  const auto rows = third_of(d);
-  for (std::size_t n = 0; n < kThirdCount; ++n) *rows[n] -= load(targets.third[n].at(place));
+  const auto rows = rows_of(d);
+  for (std::size_t n = 0; n < kDifferenceCount; ++n) *rows[n] -= load(targets.rows[n].at(place));
 }
 
 /// out = the transpose of the rows, times them.

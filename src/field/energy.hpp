@@ -40,17 +40,17 @@ struct FaceWeights {
 /// Cubic interpolation in the middle of four points, the two voxels of a face and those before and after.
 inline constexpr float kFaceInner = 9.0F / 16, kFaceOuter = -1.0F / 16;
 
-/// What third differences are to be, where not 0.
-struct ThirdTargets {
+/// What third and second differences are to be, where not 0.
+struct DifferenceTargets {
   std::vector<std::int32_t>
-      place;  ///< By segment of the band, that of `third`; 0: all are 0. Empty: everywhere.
-  std::array<LaneArray, kThirdCount> third;  ///< As third_of() orders them.
+      place;  ///< By segment of the band, that of `rows`; 0: all are 0. Empty: everywhere.
+  std::array<LaneArray, kDifferenceCount> rows;  ///< As rows_of() orders them.
 };
 
 struct Energy {
   const Band* band = nullptr;
   DifferenceWeights differences;
-  ThirdTargets targets;
+  DifferenceTargets targets;
   LaneArray stiffness;  ///< Factor on the differences at each voxel, (0, 1].
   FaceWeights faces;
 };

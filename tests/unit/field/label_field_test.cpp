@@ -144,10 +144,12 @@ TEST(LabelField, VesselsLeaveTheImageInTheirOwnDirection) {
 }
 
 /// Area of the label's section in the image's border of highest x, per the circle's of the radius.
-double section_at_border(const LabelField& field, const Vec3& centre, double radius) {
+/// @param longer  Along y, than the circle.
+double section_at_border(const LabelField& field, const Vec3& centre, double radius, double longer = 1) {
   constexpr double kStep = 0.125;
   int inside = 0;
-  for (double y = -radius - 3; y < radius + 3; y += kStep)
+  const double reach = longer * radius + 3;
+  for (double y = -reach; y < reach; y += kStep)
     for (double z = -radius - 3; z < radius + 3; z += kStep) {
       const Vec3 place(centre.x() - 0.01, centre.y() + y, centre.z() + z);
       inside += field.value(field.frame().to_index(place), 1) > 0 ? 1 : 0;
@@ -178,6 +180,26 @@ TEST(LabelField, VesselsThatBendAtTheBorderKeepTheirSection) {
   }
   EXPECT_NEAR(sum / kCount, 0, 0.02);
   EXPECT_LT(std::sqrt(squares / kCount), 0.035);
+}
+
+TEST(LabelField, StraightVesselsThatLeaveObliquelyKeepTheirSection) {
+  // Least second derivatives widened them by 1.9 % in the mean.
+  constexpr int kCount = 12;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  double sum = 0, squares = 0;
+  for (int n = 0; n < kCount; ++n) {
+    const double radius = 3 + uniform(random), lean = M_PI / 180 * (60 + 12 * uniform(random));
+    const ImageFrame frame = frame_of({20, 90, 16}, Vec3::Ones());
+    const Vec3 end(19.5, 70 + uniform(random), 7 + uniform(random));
+    const TubeAxis axis{end, Vec3(std::cos(lean), std::sin(lean), 0)};
+    const LabelField field(tube(frame, axis, radius), {});
+    const double longer = 1 / std::cos(lean);
+    const double error = section_at_border(field, end, radius, longer) / longer - 1;
+    sum += error, squares += error * error;
+  }
+  EXPECT_NEAR(sum / kCount, 0, 0.01);
+  EXPECT_LT(std::sqrt(squares / kCount), 0.025);
 }
 
 TEST(LabelField, VesselsOneVoxelApartStayApart) {

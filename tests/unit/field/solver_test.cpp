@@ -109,8 +109,8 @@ TEST_F(FieldSolver, QuadricsCostNothingAndCubicsWhatTheirDerivativesSay) {
   EXPECT_NEAR(product(band, cubic, image_of_cubic), expected, 2e-3 * expected);
 }
 
-TEST_F(FieldSolver, NearTheBorderThirdDerivativesAreThoseFurtherIn) {
-  // u = x y z + x^3 / 6 has differences xyz and xxx of 1e-3 times the edges, all others are 0.
+TEST_F(FieldSolver, NearTheBorderDerivativesAreThoseFurtherIn) {
+  // u = x y z + x^3 / 6 has third differences xyz and xxx of 1e-3 times the edges, all others are 0.
   const LaneArray cubic = values_of(band, std::nanf(""), [&](const Index3& v) {
     const Vec3 x = 0.1 * v.cast<double>().cwiseProduct(band.edges());
     return x.prod() + x.x() * x.x() * x.x() / 6;
@@ -118,7 +118,7 @@ TEST_F(FieldSolver, NearTheBorderThirdDerivativesAreThoseFurtherIn) {
   Energy energy;
   energy.band = &band;
   BorderDerivatives(band, energy.targets).update(cubic, energy);
-  const ThirdTargets& targets = energy.targets;
+  const DifferenceTargets& targets = energy.targets;
   ASSERT_EQ(targets.place.size(), band.segment_count());
   int whole = 0, fading = 0;
   for (int s = 1; s < band.end(); ++s) {
@@ -126,7 +126,7 @@ TEST_F(FieldSolver, NearTheBorderThirdDerivativesAreThoseFurtherIn) {
     for (int lane = 0; place != 0 && lane < kLanes; ++lane) {
       if (!Band::has(band.alive(s), lane)) continue;
       const Index3 v = band.voxel(s * kLanes + lane);
-      const auto target = [&](std::size_t row) { return 1e3F * targets.third[row].at(place)[lane]; };
+      const auto target = [&](std::size_t row) { return 1e3F * targets.rows[row].at(place)[lane]; };
       EXPECT_NEAR(target(9), 1.4F * target(0), 0.01F) << v.transpose();
       for (const std::size_t other : {1, 2, 3, 4, 5, 6, 7, 8}) EXPECT_NEAR(target(other), 0, 0.01F);
       EXPECT_LT(target(0), 0.81F) << "not all of it, " << v.transpose();
@@ -140,6 +140,32 @@ TEST_F(FieldSolver, NearTheBorderThirdDerivativesAreThoseFurtherIn) {
   }
   EXPECT_GT(whole, 100);
   EXPECT_GT(fading, 100);
+}
+
+TEST_F(FieldSolver, NearTheBorderSecondDerivativesAreThoseFurtherIn) {
+  // u = x^2 + x y has second differences xx and xy of 2e-2 and 1e-2 times the edges, all others are 0.
+  const LaneArray quadric = values_of(band, std::nanf(""), [&](const Index3& v) {
+    const Vec3 x = 0.1 * v.cast<double>().cwiseProduct(band.edges());
+    return x.x() * (x.x() + x.y());
+  });
+  Energy energy;
+  energy.band = &band;
+  BorderDerivatives(band, energy.targets).update(quadric, energy);
+  int whole = 0;
+  for (int s = 1; s < band.end(); ++s) {
+    const std::int32_t place = energy.targets.place[static_cast<std::size_t>(s)];
+    for (int lane = 0; place != 0 && lane < kLanes; ++lane) {
+      const Index3 v = band.voxel(s * kLanes + lane);
+      if (!Band::has(band.alive(s), lane) || (v.x() > 3 && v.x() < image.frame().size.x() - 4)) continue;
+      const auto target = [&](std::size_t row) { return 1e2 * energy.targets.rows[row].at(place)[lane]; };
+      const Vec3& edges = band.edges();
+      EXPECT_NEAR(target(10) / (2 * edges.x() * edges.x()), 0.8, 0.01) << v.transpose();
+      EXPECT_NEAR(target(13) / (edges.x() * edges.y()), 0.8, 0.01) << v.transpose();
+      for (const std::size_t other : {0, 1, 9, 11, 12, 14, 15}) EXPECT_NEAR(target(other), 0, 0.01);
+      ++whole;
+    }
+  }
+  EXPECT_GT(whole, 100);
 }
 
 TEST_F(FieldSolver, TheOperatorIsSymmetric) {
