@@ -94,8 +94,10 @@ Vec3 slope_at_plane(const std::vector<double>& depths, const std::vector<Vec3>& 
 
 std::optional<Vec3> end_axis(const Domain& domain, const EndSection& section, double depth_mm) {
   constexpr int kSections = 8, kLeast = 4, kForCurve = 7;
-  constexpr double kAlike = 1.5;     // Areas from one section to the first.
-  constexpr double kLeastCos = 0.4;  // Between axis and normal.
+  constexpr double kAlike = 1.5;  // Areas from one section to the first.
+  // Cosines between axis and normal; below the second the places of centres, which slide along the wall, say
+  // less of a bend than of the voxels.
+  constexpr double kLeastCos = 0.2, kLeastCosForCurve = 0.55;
   const Vec3& normal = section.plane.normal;
   std::vector<double> depths;
   std::vector<Vec3> centres;
@@ -115,8 +117,10 @@ std::optional<Vec3> end_axis(const Domain& domain, const EndSection& section, do
     if (i > 0) middle += found->centre_mm - centres[centres.size() - 2];
   }
   if (depths.size() < static_cast<std::size_t>(kLeast)) return std::nullopt;
-  const int degree = depths.size() >= static_cast<std::size_t>(kForCurve) ? 2 : 1;
-  const Vec3 way = -slope_at_plane(depths, centres, degree).normalized();
+  const auto way_of = [&](int degree) { return Vec3(-slope_at_plane(depths, centres, degree).normalized()); };
+  Vec3 way = way_of(1);
+  if (depths.size() >= static_cast<std::size_t>(kForCurve) && way.dot(normal) > kLeastCosForCurve)
+    way = way_of(2);
   return way.dot(normal) < kLeastCos ? std::nullopt : std::optional<Vec3>(way);
 }
 

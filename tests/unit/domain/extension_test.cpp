@@ -71,6 +71,22 @@ TEST(ExtendOpenings, CarriesASlantedTubeOnAlongItsAxis) {
   }
 }
 
+TEST(ExtendOpenings, CarriesAnObliqueTubeOnAlongItsAxis) {
+  for (const double degrees : {60.0, 65.0, 70.0, 74.0}) {
+    const double lean = degrees * std::numbers::pi / 180;
+    const StraightTube tube{{65.3, 9.6, 12.1}, Vec3(std::sin(lean), 0, std::cos(lean)), 4};
+    const Extended e(fixtures::voxels_of(fixtures::frame_of({130, 20, 25}), {0, 3},
+                                         [&](const Vec3& p) { return tube.off(p) < tube.radius ? 1 : 0; }),
+                     "6r");
+    EXPECT_TRUE(e.result.notes.empty());
+    ASSERT_EQ(e.ends.size(), 2U);
+    for (const auto& [name, end] : e.ends) {
+      EXPECT_NEAR(end.area_mm2 / (std::numbers::pi * tube.radius * tube.radius), 1, 0.04) << degrees << name;
+      EXPECT_GT(std::abs(end.normal.dot(tube.axis)), std::cos(1 * std::numbers::pi / 180)) << degrees << name;
+    }
+  }
+}
+
 TEST(ExtendOpenings, LeavesTheImageAsItWas) {
   const StraightTube tube{{19.3, 18.2, 16}, Vec3(0.1, -0.2, 1).normalized(), 5};
   const Extended e(image_of(tube, 2), "4r");
