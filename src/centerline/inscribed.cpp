@@ -56,9 +56,9 @@ Flattening flattening_at(const Lumen& lumen, const Vec3& centre, double radius, 
   const double most = 2 * radius + 2 * lumen.voxel_mm();
   for (int n = 0; n < kSectionRays; ++n) {
     const double turn = 2 * std::numbers::pi * n / kSectionRays;
-    const double wall =
-        lumen.ray_by_area(centre, std::cos(turn) * section.across + std::sin(turn) * third, most);
-    if (wall >= most) continue;
+    const Vec3 direction = std::cos(turn) * section.across + std::sin(turn) * third;
+    const double wall = lumen.ray_by_area(centre, direction, most);
+    if (wall >= most || lumen.is_guessed(centre + wall * direction, radius)) continue;
     const double deviation = (wall - radius) / width;
     const double weight = 1 / ((1 + deviation * deviation) * (1 + deviation * deviation));
     Vec5 row;

@@ -62,6 +62,19 @@ class Lumen {
   [[nodiscard]] double wall_mm(std::uint32_t id) const { return wall_mm_[id]; }
   /// The voxel around a position, or the one of the border nearest to it.
   [[nodiscard]] std::uint32_t voxel_around(const Vec3& position) const;
+  /// How far a position is beyond the border of the frame, along one of its axes; negative within.
+  [[nodiscard]] double beyond_frame_mm(const Vec3& position) const {
+    const Vec3 half = 0.5 * frame_.spacing_mm;
+    const Vec3 last = frame_.size.cast<double>().cwiseProduct(frame_.spacing_mm) - half;
+    return std::max((-half - position).maxCoeff(), (position - last).maxCoeff());
+  }
+  /// Whether a wall was found where the image tells of none: beyond the border the object goes on square to
+  /// it, as a vessel that leaves obliquely does not. A vessel that leaves squarely has walls there, and needs
+  /// some to stay square.
+  [[nodiscard]] bool is_guessed(const Vec3& wall, double radius_mm) const {
+    constexpr double kKnown = 0.25;  // Radii.
+    return beyond_frame_mm(wall) > kKnown * radius_mm;
+  }
   /// How much of a place is inside, 0 to 1, interpolated between voxels: the wall is at one half.
   [[nodiscard]] double inside(const Vec3& position) const;
   /// Along a unit direction to where inside() falls below one half, at most `max_mm`.

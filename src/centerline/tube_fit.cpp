@@ -99,7 +99,7 @@ class TubeFitter {
       const Vec3 direction = std::cos(turn) * across + std::sin(turn) * third;
       const double wall =
           exact_ ? lumen_.ray_by_area(centre, direction, most) : lumen_.ray(centre, direction, most);
-      if (wall >= most) continue;
+      if (wall >= most || lumen_.is_guessed(centre + wall * direction, radius)) continue;
       const double deviation = (wall - radius) / width;
       const double fade = 1 + deviation * deviation;
       Vec4 row;

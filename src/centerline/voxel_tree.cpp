@@ -2,6 +2,7 @@
 
 #include <numeric>
 #include <queue>
+#include <set>
 
 #include "loops.hpp"
 #include "voxel_paths.hpp"
@@ -13,6 +14,15 @@ namespace {
 /// Each ball of a path, so many times as large, holds what needs no path of its own (Sato et al. 2000).
 constexpr double kCover = 1.5;
 constexpr double kCoverVoxels = 2;
+
+/// A voxel and how far from it there is no need of another path.
+struct Reach {
+  float left_mm;
+  std::uint32_t voxel;
+  bool operator<(const Reach& other) const {
+    return left_mm != other.left_mm ? left_mm < other.left_mm : voxel > other.voxel;
+  }
+};
 
 /// Follows the distance to the wall upwards to where no neighbour has more room.
 std::uint32_t climb(const Lumen& lumen, const Steps& steps, std::uint32_t from) {
@@ -171,18 +181,53 @@ class TreeBuilder {
     for (const std::uint32_t v : path.voxels)
       if (path_of_[v] < 0) path_of_[v] = static_cast<int>(paths_.size());
     cover(path.voxels);
+    if (path.last.opening >= 0) cover_ahead(path.voxels, path.last.opening);
+    if (path.first.opening >= 0) cover_ahead({path.voxels.rbegin(), path.voxels.rend()}, path.first.opening);
     paths_.push_back(std::move(path));
   }
 
-  /// Marks what lies within reach of a path, on ways inside the lumen: a vessel beside it stays as it is.
+  [[nodiscard]] double reach_mm(std::uint32_t voxel) const {
+    return kCover * lumen_.wall_mm(voxel) + kCoverVoxels * lumen_.voxel_mm();
+  }
+
   void cover(const std::vector<std::uint32_t>& path) {
-    struct Reach {
-      float left_mm;
-      std::uint32_t voxel;
-      bool operator<(const Reach& other) const {
-        return left_mm != other.left_mm ? left_mm < other.left_mm : voxel > other.voxel;
-      }
+    std::vector<Reach> reaches;
+    for (const std::uint32_t v : path) reaches.push_back({static_cast<float>(reach_mm(v)), v});
+    spread(reaches);
+  }
+
+  /// A vessel that leaves through an opening obliquely has a tip far ahead of where its path ends: what of
+  /// the opening is within reach of the path, were it to go on straight, belongs to it.
+  void cover_ahead(const std::vector<std::uint32_t>& path, int opening) {
+    constexpr double kStraight = 3;  // Radii that tell the direction.
+    const Opening& end = lumen_.openings[static_cast<std::size_t>(opening)];
+    const Vec3 last = lumen_.position(path.back());
+    std::size_t from = path.size() - 1;
+    while (from > 0 && (lumen_.position(path[from]) - last).norm() < kStraight * lumen_.wall_mm(path.back()))
+      --from;
+    const Vec3 way = last - lumen_.position(path[from]);
+    if (way.norm() == 0) return;
+    const Vec3 ahead = way.normalized();
+    const auto left_mm = [&](std::uint32_t voxel) {
+      const Vec3 off = lumen_.position(voxel) - last;
+      return reach_mm(path.back()) - (off - std::max(0.0, off.dot(ahead)) * ahead).norm();
     };
+    std::vector<Reach> reaches;
+    std::set<std::uint32_t> seen = {end.voxel};
+    const auto add_if_near = [&](std::uint32_t voxel) {
+      if (left_mm(voxel) >= 0) reaches.push_back({static_cast<float>(left_mm(voxel)), voxel});
+    };
+    add_if_near(end.voxel);
+    for (std::size_t n = 0; n < reaches.size(); ++n)
+      steps_.for_each(reaches[n].voxel, [&](std::uint32_t to, double) {
+        const double depth_mm = (end.point - lumen_.position(to)).dot(end.normal);
+        if (depth_mm <= lumen_.voxel_mm() && seen.insert(to).second) add_if_near(to);
+      });
+    spread(reaches);
+  }
+
+  /// Marks what lies within reach of voxels, on ways inside the lumen: a vessel beside it stays as it is.
+  void spread(const std::vector<Reach>& from) {
     std::priority_queue<Reach> reaches;
     const auto reach = [&](std::uint32_t v, double reach_mm) {
       const auto left =
@@ -191,8 +236,7 @@ class TreeBuilder {
       cover_mm_[v] = left;
       reaches.push({cover_mm_[v], v});
     };
-    for (const std::uint32_t v : path)
-      reach(v, kCover * lumen_.wall_mm(v) + kCoverVoxels * lumen_.voxel_mm());
+    for (const Reach& r : from) reach(r.voxel, r.left_mm);
     while (!reaches.empty()) {
       const Reach top = reaches.top();
       reaches.pop();

@@ -59,6 +59,28 @@ CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> 
   return cut.plane;
 }
 
+/// How far before an end a cut square to the axis leaves the image's border: where the vessel is cut off
+/// obliquely, its opening reaches back along its wall.
+double depth_of_end(const ImageFrame& frame, std::span<const BorderSection> sections, const Vec3& end,
+                    const Vec3& outward, double radius_mm) {
+  constexpr double kAround = 1.5;  // Radii: what is farther from the axis is another vessel's.
+  const double voxel_mm = frame.spacing_mm.maxCoeff();
+  double depth_mm = 0;
+  for (const BorderSection& section : sections) {
+    const bool is_at_end =
+        std::any_of(section.centres_mm.begin(), section.centres_mm.end(),
+                    [&](const Vec3& p) { return (p - end).norm() < radius_mm + voxel_mm; });
+    if (!is_at_end) continue;
+    for (const Vec3& p : section.centres_mm) {
+      const Vec3 off = p - end;
+      const double before_mm = -off.dot(outward);
+      if ((off + before_mm * outward).norm() < kAround * radius_mm + voxel_mm)
+        depth_mm = std::max(depth_mm, before_mm);
+    }
+  }
+  return depth_mm == 0 ? 0 : depth_mm + 1.5 * frame.thickness_along_mm(outward);
+}
+
 /// Cuts the ends of the piece that a voxel belongs to.
 /// @return  Where these are; of none that is narrower than a voxel.
 std::vector<Vec3> clip_piece(LabelImage& image, const Index3& voxel, const LocalLength& length,
@@ -70,7 +92,11 @@ std::vector<Vec3> clip_piece(LabelImage& image, const Index3& voxel, const Local
     planes.push_back(
         cut_off_vessel(image, at.across, at.radius_mm, kMaxWideningAtEnds, CutPart::kAbove).plane);
   };
-  return cut_ends(lines, length, is_wide, planes, cut, context);
+  const std::vector<BorderSection> sections = border_sections(image, planes);
+  const auto depth_mm = [&](const Vec3& end, const Vec3& outward, double radius_mm) {
+    return depth_of_end(image.frame(), sections, end, outward, radius_mm);
+  };
+  return cut_ends(lines, length, is_wide, depth_mm, planes, cut, context);
 }
 
 /// Ends without an axis of their own are those that several vessels share, and those of small pieces.

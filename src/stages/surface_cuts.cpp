@@ -126,7 +126,8 @@ class SurfaceCutter {
   void clip_ends(const LocalLength& length, std::span<const FlatEnd> ends) {
     const Polylines lines = axes_of(mesh_);
     const std::vector<Vec3> tried = cut_ends(
-        lines, length, [&](std::uint32_t tip) { return is_at_end(lines.points[tip], ends); }, {},
+        lines, length, [&](std::uint32_t tip) { return is_at_end(lines.points[tip], ends); },
+        [](const Vec3&, const Vec3&, double) { return 0.0; }, {},
         [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
     for (const FlatEnd& end : ends)
       if (std::none_of(tried.begin(), tried.end(),

@@ -107,7 +107,7 @@ AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const Cut
 }
 
 std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
-                           const std::function<bool(std::uint32_t)>& is_end,
+                           const std::function<bool(std::uint32_t)>& is_end, const EndDepth& depth_mm,
                            const std::vector<CutPlane>& before,
                            const std::function<void(const AxisPlace&)>& cut, const Context& context) {
   std::vector<Vec3> ends;
@@ -115,12 +115,24 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
     if (!is_end(from_end.front())) continue;
     const Vec3& end = lines.points[from_end.front()];
     ends.push_back(end);
-    try {
-      const std::optional<Vec3> place = place_up(lines, from_end, length);
+    const auto place_before = [&](const LocalLength& from_tip) {
+      const std::optional<Vec3> place = place_up(lines, from_end, from_tip);
       if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
       AxisPlace found = axis_at(lines, *place, before);
       found.across = towards_end(found, end);
+      return found;
+    };
+    try {
+      AxisPlace found = place_before(length);
+      const double asked_mm = found.across.height(end);
+      const double least_mm = depth_mm(end, found.across.normal, found.radius_mm);
+      if (least_mm > asked_mm) found = place_before({least_mm});
       cut(found);
+      if (least_mm > asked_mm)
+        context.warn(
+            fmt::format("{}: the end at {} is cut {:.3g} mm before it, not {:.3g} mm: the vessel is cut off "
+                        "obliquely there",
+                        option_name("clip_ends"), place_text(end), least_mm, asked_mm));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kBadInput) throw;
       context.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"), place_text(end),

@@ -69,6 +69,23 @@ TEST(Centerline, OfACylinderIsItsAxisFromFaceToFaceOfTheImage) {
   for (const double branch : lines.scalars.at("branch")) EXPECT_EQ(branch, 0);
 }
 
+TEST(Centerline, OfAnObliqueCylinderIsItsAxisToo) {
+  for (const double degrees : {60.0, 70.0}) {
+    const double lean = degrees * std::numbers::pi / 180;
+    const Vec3 middle(60.3, 9.6, 16.2), along(std::sin(lean), 0, std::cos(lean));
+    const Polylines lines = lines_in(shape_image({120, 20, 32}, [&](const Vec3& p) {
+      const Vec3 off = p - middle;
+      return (off - off.dot(along) * along).norm() < kRadius;
+    }));
+    ASSERT_EQ(lines.lines.size(), 1U) << degrees << " degrees";
+    for (const AxisSample& sample : samples_of(lines, 0.5)) {
+      const Vec3 off = sample.point - middle;
+      EXPECT_LT((off - off.dot(along) * along).norm(), 0.5) << degrees << " degrees, " << off.transpose();
+      EXPECT_NEAR(sample.radius, kRadius, 0.05 * kRadius);
+    }
+  }
+}
+
 TEST(Centerline, KeepsToTheSpacingAskedFor) {
   const Polylines lines = lines_in(cylinder_image(), {.spacing_mm = 2});
   ASSERT_EQ(lines.points.size(), 21U);

@@ -192,6 +192,32 @@ TEST(InputCuts, EndsOfEveryPieceAreClipped) {
     EXPECT_GT(std::abs(opening.normal.dot(Vec3(1, 0, 0.3).normalized())), 0.99) << opening.name;
 }
 
+TEST(InputCuts, AnObliqueEndIsCutBehindItsOpening) {
+  constexpr double kRadius = 5, kLean = 65 * std::numbers::pi / 180;
+  const Vec3 middle(70.3, 9.6, 19.2), along(std::sin(kLean), 0, std::cos(kLean));
+  const auto section_is_square = [&](const std::string& length) {
+    std::vector<std::string> warnings;
+    Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+    LabelImage image = fixtures::voxels_of(fixtures::frame_of({140, 20, 40}), {0, 1}, [&](const Vec3& p) {
+      const Vec3 off = p - middle;
+      return (off - off.dot(along) * along).norm() < kRadius ? 1 : 0;
+    });
+    const std::vector<CutPlane> planes = cut_off(image, {{}, {}, length}, context);
+    EXPECT_EQ(planes.size(), 2U) << length;
+    for (const Opening& opening : find_openings(ImageDomain(image, {{}, planes}))) {
+      EXPECT_GT(std::abs(opening.normal.dot(along)), 0.999) << length << opening.name;
+      EXPECT_NEAR(opening.area_mm2 / (std::numbers::pi * kRadius * kRadius), 1, 0.02)
+          << length << opening.name;
+    }
+    return warnings;
+  };
+  const std::vector<std::string> warnings = section_is_square("1r");
+  ASSERT_EQ(warnings.size(), 2U);
+  for (const std::string& warning : warnings)
+    EXPECT_NE(warning.find("the vessel is cut off obliquely there"), std::string::npos) << warning;
+  EXPECT_TRUE(section_is_square("4r").empty());
+}
+
 TEST(InputCuts, AnEndThatTwoVesselsShareStaysAndIsTold) {
   std::vector<std::string> warnings;
   Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
