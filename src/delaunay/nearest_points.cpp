@@ -172,8 +172,4 @@ double NearestPoints::distance(const Vec3& x) const {
   return held(smallest2);
 }
 
-std::size_t NearestPoints::memory_bytes() const {
-  return (points_.size() + candidates_.size()) * sizeof(Vec3) + cells_.size() * sizeof(List);
-}
-
 }  // namespace lumesh::delaunay

@@ -32,8 +32,6 @@ class NearestPoints {
   /// Distance to the nearest point, held within the range.
   [[nodiscard]] double distance(const Vec3& x) const;
 
-  [[nodiscard]] std::size_t memory_bytes() const;
-
  private:
   struct Builder;
   /// Candidates of a cell, in candidates_. None: all distances are beyond an end of the range.

@@ -153,7 +153,7 @@ double ConjugateGradients::start(FitState& state) {
   });
 }
 
-int ConjugateGradients::minimise(double tolerance, FitState& state) {
+void ConjugateGradients::minimise(double tolerance, FitState& state) {
   const Band& band = state.band;
   set_diagonals(state);
   double error = start(state);
@@ -161,8 +161,7 @@ int ConjugateGradients::minimise(double tolerance, FitState& state) {
   const double enough =
       tolerance * tolerance * static_cast<double>(std::max<std::size_t>(1, band.face_count()));
   float beta = 0;
-  int count = 0;
-  while (count < kMostIterations && error > enough) {
+  for (int count = 0; count < kMostIterations && error > enough; ++count) {
     for_each_segment_block(band.end(), [&](int begin, int end) {
       direction_block(state.levels.finest(), residual_, inverse_diagonal_, state.hold, beta, begin, end,
                       direction_, product_);
@@ -180,9 +179,7 @@ int ConjugateGradients::minimise(double tolerance, FitState& state) {
     next += state.levels.precondition(residual_);
     beta = static_cast<float>(next / error);
     error = next;
-    ++count;
   }
-  return count;
 }
 
 }  // namespace lumesh::field

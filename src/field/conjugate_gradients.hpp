@@ -13,8 +13,8 @@ class ConjugateGradients {
   void take_stiffness(const FitState& state);
 
   /// Iterates until the energy norm of the estimated error per face is below the tolerance, or
-  /// kMostIterations times; returns how often.
-  int minimise(double tolerance, FitState& state);
+  /// kMostIterations times.
+  void minimise(double tolerance, FitState& state);
   static constexpr int kMostIterations = 80;
 
  private:

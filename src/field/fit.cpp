@@ -48,11 +48,11 @@ class Fit {
   Fit(const Band& band, BoundaryFidelity fidelity)
       : state_(band), fidelity_(fidelity), stiffness_(begin(state_), noise(), state_), solver_(state_) {}
 
-  PairFunction run() {
+  LaneArray run() {
     for (int solve = 0; solve < kSolves; ++solve) fit_once(solve);
     harden();
     keep_sides();
-    return {std::move(state_.values), iterations_};
+    return std::move(state_.values);
   }
 
  private:
@@ -85,7 +85,7 @@ class Fit {
       hold_violated_sides(state_);
       border_.update(state_.values, state_.energy);
     }
-    iterations_ += solver_.minimise(solve <= kSoftenings ? kTolerance : kLastTolerance, state_);
+    solver_.minimise(solve <= kSoftenings ? kTolerance : kLastTolerance, state_);
   }
 
   void set_outliers_aside() {
@@ -111,7 +111,7 @@ class Fit {
     const double enough = kWrongShare * static_cast<double>(count);
     for (int round = 0; round < kHardRounds; ++round) {
       if (static_cast<double>(sides.update(state_)) <= enough && round > 0) break;
-      iterations_ += solver_.minimise(kLastTolerance, state_);
+      solver_.minimise(kLastTolerance, state_);
     }
   }
 
@@ -184,7 +184,6 @@ class Fit {
   ConjugateGradients solver_;
   DampedFaces damped_;
   BorderDerivatives border_{state_.band, state_.energy.targets};
-  int iterations_ = 0;
 };
 
 }  // namespace
@@ -207,7 +206,7 @@ FitState::FitState(const Band& of)
     store(energy.stiffness.at(s), keep(Lanes{} + 1.0F, mask_of(of.alive(s))));
 }
 
-PairFunction fit(const Band& band, BoundaryFidelity fidelity) {
+LaneArray fit(const Band& band, BoundaryFidelity fidelity) {
   return Fit(band, fidelity).run();
 }
 

@@ -7,13 +7,8 @@
 
 namespace lumesh::field {
 
-struct PairFunction {
-  LaneArray
-      values;  ///< In edges of the smallest voxel edge, slope about 1 at the boundary; NaN outside the band.
-  int iterations = 0;
-};
-
-/// Least third derivatives within the sides that the voxels say. Source: docs/stages/domain.md.
-[[nodiscard]] PairFunction fit(const Band& band, BoundaryFidelity fidelity);
+/// The function of least third derivatives within the sides that the voxels say, in edges of the smallest
+/// voxel edge: slope about 1 at the boundary, NaN outside the band. Source: docs/stages/domain.md.
+[[nodiscard]] LaneArray fit(const Band& band, BoundaryFidelity fidelity);
 
 }  // namespace lumesh::field

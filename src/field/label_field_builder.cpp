@@ -23,6 +23,7 @@ using field::Band;
 using field::Face;
 using field::LabelPair;
 using field::Lane;
+using field::LaneArray;
 using field::PairFaces;
 
 }  // namespace
@@ -197,7 +198,7 @@ class LabelFieldBuilder {
 
   void fit_pair(std::size_t p) {
     const Band band(image_, pairs_[p]);
-    const field::PairFunction function = field::fit(band, options_.fidelity);
+    const LaneArray values = field::fit(band, options_.fidelity);
     const LabelPair& pair = pairs_[p].pair;
     const auto& bricks = bricks_of_pair_[p];
     parallel::for_each_index(bricks.size(), 16, [&](std::size_t i) {
@@ -206,15 +207,15 @@ class LabelFieldBuilder {
       while (f_.pairs_[block].first != pair.first ||
              (!pair.is_outer_wall() && f_.pairs_[block].second != pair.second))
         ++block;
-      fill_block(band, function, pair, brick_index(bricks[i]), block);
+      fill_block(band, values, pair, brick_index(bricks[i]), block);
     });
   }
 
-  /// The function's values, cut off a little above what queries tell; beyond the band the same limit on the
-  /// voxel's side. Where no voxel of the object is in the image's last layer, none is taken there for noise:
-  /// the object never leaves the image.
-  void fill_block(const Band& band, const field::PairFunction& function, const LabelPair& pair,
-                  const Index3& brick, std::uint32_t block) {
+  /// Values of the fitted function, cut off a little above what queries tell; beyond the band the same limit
+  /// on the voxel's side. Where no voxel of the object is in the image's last layer, none is taken there for
+  /// noise: the object never leaves the image.
+  void fill_block(const Band& band, const LaneArray& values, const LabelPair& pair, const Index3& brick,
+                  std::uint32_t block) {
     constexpr auto kLimit = static_cast<float>(LabelField::kStoredLimit);
     constexpr float kLeastDepth = 0.05F;  // In that layer.
     float* const out = &f_.blocks_[std::size_t{block} * LabelField::kBlock];
@@ -225,7 +226,7 @@ class LabelFieldBuilder {
         float* const row = out + LabelField::kRowPad * (j + kStored * k);
         for (int i = 0; i < kStored; ++i) {
           const Index3 voxel = first + Index3(i, j, k);
-          const float value = band.value_at(function.values, voxel);
+          const float value = band.value_at(values, voxel);
           row[i] = value == value ? std::clamp(value, -kLimit, kLimit)
                                   : kLimit * static_cast<float>(pair.side_of(image_.at(clamped(voxel))));
           const int beyond = pair.is_outer_wall() ? beyond_bare_end(voxel) : -1;

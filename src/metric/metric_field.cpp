@@ -89,9 +89,4 @@ void assign_vertex_metrics(TetMesh& mesh, const MetricField& field) {
   });
 }
 
-void assign_metric(TetMesh& mesh, const MetricField& field) {
-  assign_vertex_metrics(mesh, field);
-  measure_qualities(mesh);
-}
-
 }  // namespace lumesh::metric

@@ -114,16 +114,6 @@ inline std::array<Vec3, 4> tetrahedron_face_normals(const Vec3& a, const Vec3& b
   return doubled_area > 0 ? 6 * tetrahedron_volume(a, b, c, d) / doubled_area : 0;
 }
 
-/// Radius of the circumscribed sphere; infinite if flat.
-[[nodiscard]] inline double circumradius(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 u = b - a, v = c - a, w = d - a;
-  const double twelve_volumes = 2 * std::abs(u.cross(v).dot(w));
-  if (!(twelve_volumes > 0)) return std::numeric_limits<double>::infinity();
-  const Vec3 scaled =
-      u.squaredNorm() * v.cross(w) + v.squaredNorm() * w.cross(u) + w.squaredNorm() * u.cross(v);
-  return scaled.norm() / twelve_volumes;
-}
-
 /// Longest edge / (2 sqrt(6) inradius), as Verdict and VTK's "aspect ratio": 1 for the regular tetrahedron,
 /// growing without bound; infinite if flat or inverted. Source: Stimpson et al. 2007, Verdict
 /// (SAND2007-1751), 7.2.

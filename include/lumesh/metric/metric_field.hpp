@@ -76,9 +76,6 @@ class MetricField {
 /// Sets metric and logarithm of every vertex from the field. Calls enable_metric(). Parallel inside.
 void assign_vertex_metrics(TetMesh& mesh, const MetricField& field);
 
-/// Sets metric and logarithm of every vertex, and the quality of every tetrahedron.
-void assign_metric(TetMesh& mesh, const MetricField& field);
-
 /// Measures every tetrahedron in the metric of its vertices.
 void measure_qualities(TetMesh& mesh);
 

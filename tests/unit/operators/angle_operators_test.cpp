@@ -37,7 +37,7 @@ struct AngleBench {
                 &surface}) {}
 
   static TetMesh& prepared(TetMesh& mesh, const metric::MetricField& field) {
-    metric::assign_metric(mesh, field);
+    fixtures::assign_metric(mesh, field);
     for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
       mesh.set_quality(TetId(t), static_cast<float>(angle_quality_of(mesh, TetId(t))));
     return mesh;

@@ -26,7 +26,7 @@ struct CurvedBench {
 
   CurvedBench(TetMesh given, double size)
       : mesh(std::move(given)), field(fixtures::uniform_field(size)), shapes(shapes_of_patches(mesh)) {
-    metric::assign_metric(mesh, field);
+    fixtures::assign_metric(mesh, field);
   }
   [[nodiscard]] Subject subject() { return {mesh, field, shapes}; }
 };

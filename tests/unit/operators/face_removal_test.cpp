@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fixtures/metric_cubes.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/operators/operators.hpp"
 
@@ -31,7 +32,7 @@ TetMesh double_pyramid(int corners, double height) {
   }
   const std::vector<Label> labels(tets.size(), 1);
   TetMesh mesh = TetMesh::build(points, tets, labels);
-  metric::assign_metric(mesh, MetricField::uniform(1));
+  fixtures::assign_metric(mesh, MetricField::uniform(1));
   return mesh;
 }
 
@@ -92,7 +93,7 @@ TEST(FaceRemovals, KeepsInterfaces) {
     labels.push_back(t % 2 == 0 ? 1 : 2);  // Above, below.
   TetMesh mesh = TetMesh::build(whole.points(), whole.tets(), labels);
   const MetricField field = MetricField::uniform(1);
-  metric::assign_metric(mesh, field);
+  fixtures::assign_metric(mesh, field);
   const PatchShapes shapes = all_frozen(mesh);
   Kernel<NoLock> kernel({mesh, field, shapes});
   for (std::uint32_t t = 0; t < mesh.tet_count(); ++t)

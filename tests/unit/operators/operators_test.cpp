@@ -54,7 +54,7 @@ struct Bench {
         kernel({mesh, field, shapes}) {}
 
   static TetMesh prepared(TetMesh cube, AnalyticKind kind, double size_factor) {
-    metric::assign_metric(cube, MetricField::analytic(kind, size_factor));
+    fixtures::assign_metric(cube, MetricField::analytic(kind, size_factor));
     return cube;
   }
 

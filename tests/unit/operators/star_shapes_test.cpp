@@ -30,7 +30,7 @@ double sum_at(const TetMesh& mesh, VertexId v, const std::vector<TetId>& tets, c
 
 TEST(StarShapes, DerivativesAreThoseOfFiniteDifferences) {
   TetMesh mesh = fixtures::unit_cube(3);
-  metric::assign_metric(mesh, MetricField::analytic(AnalyticKind::kPolar2, 3));
+  fixtures::assign_metric(mesh, MetricField::analytic(AnalyticKind::kPolar2, 3));
   StarShapes shapes;
   int tried = 0;
   for (std::uint32_t i = 0; i < mesh.vertex_count(); ++i) {
