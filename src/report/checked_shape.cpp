@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/image/selection.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/quality/surface.hpp"
@@ -124,24 +125,6 @@ void for_each_side(const Blocks& blocks, const Visit& visit) {
   });
 }
 
-/// Lowest and highest voxels that have a label; the first voxel where none has.
-std::array<Index3, 2> labelled_box(const LabelImage& image) {
-  const Index3& size = image.frame().size;
-  std::vector<std::array<Index3, 2>> boxes(static_cast<std::size_t>(size.z()), {size, -Index3::Ones()});
-  parallel::for_each_index(boxes.size(), 1, [&](std::size_t k) {
-    for_each_place({0, 0, static_cast<int>(k)}, {size.x() - 1, size.y() - 1, static_cast<int>(k)},
-                   [&](const Index3& voxel) {
-                     if (image.at(voxel) == 0) return;
-                     boxes[k][0] = boxes[k][0].cwiseMin(voxel);
-                     boxes[k][1] = boxes[k][1].cwiseMax(voxel);
-                   });
-  });
-  std::array<Index3, 2> all = {size, -Index3::Ones()};
-  for (const auto& [low, high] : boxes) all = {all[0].cwiseMin(low), all[1].cwiseMax(high)};
-  if (all[1].x() < 0) return {Index3::Zero(), Index3::Zero()};
-  return all;
-}
-
 /// A line as two triangles that face the viewer.
 void add_line(const Camera& camera, const ShapeLine& line, double width, std::vector<ScreenTriangle>& out) {
   constexpr float kInFront = 2.5F;  // Pixels.
@@ -180,7 +163,9 @@ Shape shape_of(const MeshView& mesh) {
 
 Shape shape_of(const LabelImage& image) {
   constexpr int kMostBlocks = 256;
-  const auto [low, high] = labelled_box(image);
+  const VoxelBox object = object_box(image);
+  const Index3 low = object.is_empty() ? Index3(Index3::Zero()) : object.low;
+  const Index3 high = object.is_empty() ? low : Index3(object.high - Index3::Ones());
   const int step = ((high - low).maxCoeff() + kMostBlocks) / kMostBlocks;
   const Blocks blocks(image, low, high, step);
   const SideFaces faces(image.frame(), blocks);
