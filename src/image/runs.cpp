@@ -53,4 +53,29 @@ RunImage find_runs(const LabelImage& image, RunLabels labels) {
   });
 }
 
+std::vector<std::size_t> voxel_starts(const RunImage& runs) {
+  std::vector<std::size_t> starts = {0};
+  starts.reserve(runs.runs.size() + 1);
+  for (const Run& run : runs.runs)
+    starts.push_back(starts.back() + static_cast<std::size_t>(run.end - run.begin));
+  return starts;
+}
+
+DisjointSets connected(const RunImage& runs) {
+  DisjointSets sets(runs.runs.size());
+  const auto join_rows = [&](std::size_t a, std::size_t b) {
+    for_each_overlap(runs.of_row(a), runs.of_row(b), [&](std::size_t x, std::size_t y, const Run&) {
+      sets.merge(runs.first[a] + static_cast<std::uint32_t>(x),
+                 runs.first[b] + static_cast<std::uint32_t>(y));
+    });
+  };
+  for (int k = 0; k < runs.size.z(); ++k) {
+    for (int j = 0; j < runs.size.y(); ++j) {
+      if (j > 0) join_rows(runs.row(j - 1, k), runs.row(j, k));
+      if (k > 0) join_rows(runs.row(j, k - 1), runs.row(j, k));
+    }
+  }
+  return sets;
+}
+
 }  // namespace lumesh::image

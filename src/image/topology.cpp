@@ -17,23 +17,6 @@ using image::for_each_run;
 using image::Run;
 using image::RunImage;
 
-DisjointSets connect(const RunImage& runs) {
-  DisjointSets sets(runs.runs.size());
-  const auto join_rows = [&](std::size_t a, std::size_t b) {
-    image::for_each_overlap(runs.of_row(a), runs.of_row(b), [&](std::size_t x, std::size_t y, const Run&) {
-      sets.merge(runs.first[a] + static_cast<std::uint32_t>(x),
-                 runs.first[b] + static_cast<std::uint32_t>(y));
-    });
-  };
-  for (int k = 0; k < runs.size.z(); ++k) {
-    for (int j = 0; j < runs.size.y(); ++j) {
-      if (j > 0) join_rows(runs.row(j - 1, k), runs.row(j, k));
-      if (k > 0) join_rows(runs.row(j, k - 1), runs.row(j, k));
-    }
-  }
-  return sets;
-}
-
 std::vector<Run> overlaps(std::span<const Run> a, std::span<const Run> b) {
   std::vector<Run> shared;
   image::for_each_overlap(a, b, [&](std::size_t, std::size_t, const Run& run) { shared.push_back(run); });
@@ -75,7 +58,7 @@ std::vector<std::int64_t> euler_numbers(const RunImage& runs, std::size_t label_
 std::vector<LabelTopology> describe(const RunImage& runs, std::size_t label_count, double voxel_volume_mm3) {
   std::vector<LabelTopology> result(label_count);
   for (LabelTopology& entry : result) entry.box = VoxelBox::nothing();
-  DisjointSets sets = connect(runs);
+  DisjointSets sets = image::connected(runs);
   for_each_run(runs, [&](std::uint32_t r, int j, int k) {
     const Run& run = runs.runs[r];
     LabelTopology& entry = result[run.label];
@@ -162,7 +145,7 @@ LabelTopology union_topology(const LabelImage& image) {
 
 std::vector<VoxelComponent> voxel_components(const LabelImage& image, ComponentScope scope) {
   const RunImage runs = image::find_runs(image, run_labels(scope));
-  DisjointSets sets = connect(runs);
+  DisjointSets sets = image::connected(runs);
   std::vector<VoxelComponent> result;
   for (const Component& component : list_components(image, runs, sets)) result.push_back(component.shown);
   return result;
@@ -177,7 +160,7 @@ std::vector<VoxelComponent> small_components(const LabelImage& image, std::size_
 
 std::size_t keep_largest_component(LabelImage& image, ComponentScope scope) {
   const RunImage runs = image::find_runs(image, run_labels(scope));
-  DisjointSets sets = connect(runs);
+  DisjointSets sets = image::connected(runs);
   std::vector<char> kept(runs.runs.size(), 0);
   LabelImage::Index last = 0;
   for (const Component& component : list_components(image, runs, sets)) {
@@ -189,7 +172,7 @@ std::size_t keep_largest_component(LabelImage& image, ComponentScope scope) {
 
 std::size_t keep_component_of(LabelImage& image, const Index3& voxel, ComponentScope scope) {
   const RunImage runs = image::find_runs(image, run_labels(scope));
-  DisjointSets sets = connect(runs);
+  DisjointSets sets = image::connected(runs);
   const std::span<const Run> row = runs.of_row(runs.row(voxel.y(), voxel.z()));
   const auto own = std::find_if(row.begin(), row.end(), [&](const Run& run) { return voxel.x() < run.end; });
   LUMESH_ASSERT(own != row.end() && own->begin <= voxel.x());

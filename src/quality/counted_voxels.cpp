@@ -74,10 +74,7 @@ CountedVoxels::CountedVoxels(const LabelImage& image, const VoxelBox& box) {
     const bool in_box = j >= box.low.y() && j < box.high.y() && k >= box.low.z() && k < box.high.z();
     append_row(object.of_row(row), near.of_row(row), box.low.x(), in_box ? box.high.x() : box.low.x(), out);
   });
-  numbers_.assign(1, 0);
-  numbers_.reserve(runs_.runs.size() + 1);
-  for (const Run& run : runs_.runs)
-    numbers_.push_back(numbers_.back() + static_cast<std::size_t>(run.end - run.begin));
+  numbers_ = image::voxel_starts(runs_);
 }
 
 }  // namespace lumesh::quality

@@ -9,24 +9,8 @@
 namespace lumesh::quality {
 
 VoxelPieces::VoxelPieces(const LabelImage& image)
-    : runs_(image::find_runs(image, image::RunLabels::kEach)), numbers_{0} {
-  numbers_.reserve(runs_.runs.size() + 1);
-  for (const image::Run& run : runs_.runs)
-    numbers_.push_back(numbers_.back() + static_cast<std::size_t>(run.end - run.begin));
-  DisjointSets sets(runs_.runs.size());
-  const auto join_rows = [&](std::size_t a, std::size_t b) {
-    image::for_each_overlap(runs_.of_row(a), runs_.of_row(b),
-                            [&](std::size_t x, std::size_t y, const image::Run&) {
-                              sets.merge(runs_.first[a] + static_cast<std::uint32_t>(x),
-                                         runs_.first[b] + static_cast<std::uint32_t>(y));
-                            });
-  };
-  for (int k = 0; k < runs_.size.z(); ++k) {
-    for (int j = 0; j < runs_.size.y(); ++j) {
-      if (j > 0) join_rows(runs_.row(j - 1, k), runs_.row(j, k));
-      if (k > 0) join_rows(runs_.row(j, k - 1), runs_.row(j, k));
-    }
-  }
+    : runs_(image::find_runs(image, image::RunLabels::kEach)), numbers_(image::voxel_starts(runs_)) {
+  DisjointSets sets = image::connected(runs_);
   pieces_.resize(runs_.runs.size());
   for (std::uint32_t r = 0; r < pieces_.size(); ++r) pieces_[r] = sets.find(r);
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/image/label_image.hpp"
@@ -83,6 +84,12 @@ template <class AppendRow>
 
 /// @throws Error{kMemory} if there are more than 2^32 - 2 runs.
 [[nodiscard]] RunImage find_runs(const LabelImage& image, RunLabels labels);
+
+/// Number of the first voxel of every run, counted over the runs, and of all voxels at the end.
+[[nodiscard]] std::vector<std::size_t> voxel_starts(const RunImage& runs);
+
+/// Sets of runs of one label that are connected through faces of voxels.
+[[nodiscard]] DisjointSets connected(const RunImage& runs);
 
 /// Calls use(a, b, overlap) for all runs of two rows that share a label and at least one i; a and b are
 /// positions in the spans, overlap is the shared part.
