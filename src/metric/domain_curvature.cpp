@@ -19,12 +19,6 @@ namespace {
 /// A vertex and the materials whose boundary it lies on.
 using Place = std::array<std::uint32_t, 3>;
 
-Material material_of(const Domain& domain, Label label) {
-  for (Material m = 0; m < domain.label_count(); ++m)
-    if (domain.label_of(m) == label) return m;
-  return 0;
-}
-
 /// All that is no opening and no plane of symmetry; ascending.
 std::vector<Place> boundary_places(const TetMesh& mesh, const Domain& domain) {
   const BoundaryFaces faces = mesh.boundary_faces();
@@ -32,8 +26,8 @@ std::vector<Place> boundary_places(const TetMesh& mesh, const Domain& domain) {
   for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
     if (is_plane(mesh.info().patches[static_cast<std::size_t>(faces.patches[f])].kind)) continue;
     const auto& [inside, outside] = faces.tets[f];
-    const Material in = material_of(domain, mesh.label(inside));
-    const Material out = outside.valid() ? material_of(domain, mesh.label(outside)) : 0;
+    const Material in = domain.material_of(mesh.label(inside)).value_or(0);
+    const Material out = outside.valid() ? domain.material_of(mesh.label(outside)).value_or(0) : 0;
     if (in == out) continue;
     for (const std::uint32_t v : faces.triangles[f]) places.push_back({v, in, out});
   }

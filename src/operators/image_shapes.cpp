@@ -15,8 +15,7 @@ constexpr double kReachVoxels = 1.5;
 
 /// The number of a label in the image.
 Material material_of(const ImageDomain& domain, Label label) {
-  for (Material m = 1; m < domain.label_count(); ++m)
-    if (domain.label_of(m) == label) return m;
+  if (const auto material = domain.material_of(label)) return *material;
   throw Error(ErrorKind::kBadInput, "has no label " + std::to_string(label) +
                                         ", which the mesh has; give the image that the mesh was made of");
 }

@@ -11,13 +11,6 @@ namespace {
 
 constexpr double kNearVoxels = 0.1;  // So near a boundary vertices stand.
 
-/// The material of the domain that a label of the mesh is.
-std::optional<Material> material_of(const Domain& domain, Label label) {
-  for (Material m = 1; m < domain.label_count(); ++m)
-    if (domain.label_of(m) == label) return m;
-  return std::nullopt;
-}
-
 /// The part of the outside behind a face: that on whose boundary its corners lie best; none where two are
 /// as good, as between the rims of two openings.
 std::optional<Material> outside_of(const Domain& domain, const TetMesh& mesh, const Cell<3>& corners,
@@ -96,9 +89,9 @@ std::vector<std::optional<Pair>> boundaries_of_patches(const TetMesh& mesh, cons
       patch.add(*first);
       continue;
     }
-    const auto inside = material_of(domain, mesh.label(faces.tets[i][0]));
+    const auto inside = domain.material_of(mesh.label(faces.tets[i][0]));
     if (!inside) continue;
-    const auto outside = faces.tets[i][1].valid() ? material_of(domain, mesh.label(faces.tets[i][1]))
+    const auto outside = faces.tets[i][1].valid() ? domain.material_of(mesh.label(faces.tets[i][1]))
                                                   : outside_of(domain, mesh, faces.triangles[i], *inside);
     if (outside) patch.add({*inside, *outside});
   }

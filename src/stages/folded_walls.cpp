@@ -33,9 +33,7 @@ std::vector<Material> materials_inside_walls(const MeshView& mesh, const ImageDo
   std::vector<Material> inside(mesh.info->patches.size(), 0);
   for (std::size_t p = 0; p < inside.size(); ++p) {
     const Patch& patch = mesh.info->patches[p];
-    if (patch.kind != PatchKind::kWall) continue;
-    for (Material m = 1; m < domain.label_count(); ++m)
-      if (domain.label_of(m) == patch.labels[0]) inside[p] = m;
+    if (patch.kind == PatchKind::kWall) inside[p] = domain.material_of(patch.labels[0]).value_or(0);
   }
   return inside;
 }

@@ -130,6 +130,8 @@ class Domain {
   /// Number of the labels with the background; materials from there on are openings.
   [[nodiscard]] virtual Material label_count() const = 0;
   [[nodiscard]] virtual Material material_count() const = 0;
+  /// The meshed material that has a label; none if the domain has no such label.
+  [[nodiscard]] std::optional<Material> material_of(Label label) const;
   /// The patch that the boundary between two materials is, if the domain knows; several boundaries may have
   /// patches of one name. None: see name_patches().
   [[nodiscard]] virtual std::optional<Patch> patch_between(Material /*inside*/, Material /*outside*/) const {
