@@ -159,26 +159,18 @@ CrossingCounts find_crossings(std::span<const Value> values, const ObjectValues&
   return scan_image(values, object, image, interpolation);
 }
 
-template CrossingCounts find_crossings(std::span<const std::uint8_t>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
-template CrossingCounts find_crossings(std::span<const std::int8_t>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
-template CrossingCounts find_crossings(std::span<const std::uint16_t>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
-template CrossingCounts find_crossings(std::span<const std::int16_t>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
-template CrossingCounts find_crossings(std::span<const std::uint32_t>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
-template CrossingCounts find_crossings(std::span<const std::int32_t>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
-template CrossingCounts find_crossings(std::span<const std::uint64_t>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
-template CrossingCounts find_crossings(std::span<const std::int64_t>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
-template CrossingCounts find_crossings(std::span<const float>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
-template CrossingCounts find_crossings(std::span<const double>, const ObjectValues&, LabelImage&,
-                                       Interpolation);
+template <class Value>
+using Span = std::span<const Value>;
+template CrossingCounts find_crossings(Span<std::uint8_t>, const ObjectValues&, LabelImage&, Interpolation);
+template CrossingCounts find_crossings(Span<std::int8_t>, const ObjectValues&, LabelImage&, Interpolation);
+template CrossingCounts find_crossings(Span<std::uint16_t>, const ObjectValues&, LabelImage&, Interpolation);
+template CrossingCounts find_crossings(Span<std::int16_t>, const ObjectValues&, LabelImage&, Interpolation);
+template CrossingCounts find_crossings(Span<std::uint32_t>, const ObjectValues&, LabelImage&, Interpolation);
+template CrossingCounts find_crossings(Span<std::int32_t>, const ObjectValues&, LabelImage&, Interpolation);
+template CrossingCounts find_crossings(Span<std::uint64_t>, const ObjectValues&, LabelImage&, Interpolation);
+template CrossingCounts find_crossings(Span<std::int64_t>, const ObjectValues&, LabelImage&, Interpolation);
+template CrossingCounts find_crossings(Span<float>, const ObjectValues&, LabelImage&, Interpolation);
+template CrossingCounts find_crossings(Span<double>, const ObjectValues&, LabelImage&, Interpolation);
 
 CrossingCounts count_crossings(const LabelImage& image) {
   const Eigen::Matrix<std::size_t, 3, 1> size = image.frame().size.cast<std::size_t>();
