@@ -35,8 +35,7 @@ MovableVertices movable_vertices(const TetMesh& mesh, const PlaceOnPatch& place)
   std::vector<double> counts(patches, 0);
   for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
     const auto patch = static_cast<std::uint32_t>(faces.patches[i]);
-    const auto& [a, b, c] = faces.triangles[i];
-    found.area[patch] += triangle_area(mesh.points()[a], mesh.points()[b], mesh.points()[c]);
+    found.area[patch] += triangle_area(mesh.points(), faces.triangles[i]);
     counts[patch] += 1;
     for (const std::uint32_t v : faces.triangles[i])
       if (mesh.dimension(VertexId(v)) == VertexDimension::kSurface) found.patch[v] = patch;

@@ -88,7 +88,7 @@ std::vector<Vec3> vertex_normals(std::span<const Vec3> points,
                                  std::span<const std::array<std::uint32_t, 3>> triangles) {
   std::vector<Vec3> normals(points.size(), Vec3::Zero());
   for (const auto& v : triangles) {
-    const Vec3 normal = triangle_normal(points[v[0]], points[v[1]], points[v[2]]);
+    const Vec3 normal = triangle_normal(points, v);
     for (int k = 0; k < 3; ++k) {
       const Vec3 left = points[v[(k + 1) % 3]] - points[v[k]], right = points[v[(k + 2) % 3]] - points[v[k]];
       normals[v[k]] += angle_between(left, right) * normal;

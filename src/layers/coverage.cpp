@@ -53,9 +53,7 @@ FirstLayer first_layer_of(const ExtrusionFrame& frame, const Columns& columns) {
         columns.profile.level(1) * columns.wanted_mm[v] / frame.directions.stretch[v];
     double least = std::numeric_limits<double>::infinity(), greatest = 0;
     for (const std::uint32_t t : surface.triangles_around.of(v)) {
-      const auto& [a, b, c] = surface.triangles[t];
-      const double height =
-          triangle_normal(surface.points[a], surface.points[b], surface.points[c]).dot(step);
+      const double height = triangle_normal(surface.points, surface.triangles[t]).dot(step);
       least = std::min(least, height);
       greatest = std::max(greatest, height);
     }
@@ -74,8 +72,7 @@ class PatchCoverage {
   }
 
   void add(const Cell<3>& triangle) {
-    const std::vector<Vec3>& points = frame_.surface.points;
-    const double third = triangle_area(points[triangle[0]], points[triangle[1]], points[triangle[2]]) / 3;
+    const double third = triangle_area(frame_.surface.points, triangle) / 3;
     for (const std::uint32_t v : triangle) add(v, third);
     if (keeps_first_height(triangle)) c_.first_kept += 3 * third;
   }
@@ -96,8 +93,7 @@ class PatchCoverage {
   /// Whether the cell on a triangle is as high in the mean as was asked for; not where it tapers to nothing.
   [[nodiscard]] bool keeps_first_height(const Cell<3>& triangle) const {
     constexpr double kKept = 0.02;
-    const std::vector<Vec3>& points = frame_.surface.points;
-    const Vec3 normal = triangle_normal(points[triangle[0]], points[triangle[1]], points[triangle[2]]);
+    const Vec3 normal = triangle_normal(frame_.surface.points, triangle);
     double height = 0, asked = 0;
     for (const std::uint32_t v : triangle) {
       if (first_.asked_mm[v] == 0) return false;

@@ -15,8 +15,7 @@ constexpr double kSharp = 0.7;        // Below this the mean normal is not good 
 std::vector<Vec3> normals_of(const LayerSurface& surface) {
   std::vector<Vec3> normals(surface.triangles.size());
   parallel::for_each_index(normals.size(), [&](std::size_t t) {
-    const Cell<3>& c = surface.triangles[t];
-    normals[t] = triangle_normal(surface.points[c[0]], surface.points[c[1]], surface.points[c[2]]);
+    normals[t] = triangle_normal(surface.points, surface.triangles[t]);
   });
   return normals;
 }
@@ -97,8 +96,7 @@ class DirectionFinder {
     constexpr double kMost = 2, kRounding = 1 + 1e-12, kOff = 0.019;
     double sum = 0, weights = 0;
     for (const std::uint32_t t : surface_.triangles_around.of(v)) {
-      const auto& [a, b, c] = surface_.triangles[t];
-      const double weight = triangle_area(surface_.points[a], surface_.points[b], surface_.points[c]);
+      const double weight = triangle_area(surface_.points, surface_.triangles[t]);
       sum += weight * normals_[t].dot(direction);
       weights += weight;
     }

@@ -199,8 +199,7 @@ Outside::Outside(const TetMesh& mesh, const BoundaryFaces& faces)
 
 Outside::Outside(std::span<const Vec3> points, const std::vector<Cell<3>>& triangles)
     : tree(points, triangles) {
-  for (const Cell<3>& t : triangles)
-    normals.push_back(triangle_normal(points[t[0]], points[t[1]], points[t[2]]));
+  for (const Cell<3>& t : triangles) normals.push_back(triangle_normal(points, t));
 }
 
 LayerProfile::LayerProfile(std::vector<double> levels, ShortOfRoom short_of_room)

@@ -65,10 +65,6 @@ FreeSurface free_surface(const PartSurface& part, const std::vector<std::uint32_
   return surface;
 }
 
-Vec3 normal_of(std::span<const Vec3> points, const Cell<3>& triangle) {
-  return triangle_normal(points[triangle[0]], points[triangle[1]], points[triangle[2]]);
-}
-
 /// Whether two triangles of one surface and this one of another are the halves of one quadrilateral by its
 /// other diagonal. @param own  Keys of the faces of the first surface, sorted.
 bool has_other_diagonal(const FaceCorners& face, const Cell<3>& other, std::span<const Cell<4>> own) {
@@ -101,7 +97,8 @@ bool lies_on(const FaceCorners& face, std::span<const Cell<4>> own, const FreeSu
   if (nearest.triangle == TriangleTree::kNone) return false;
   const Cell<3>& triangle = other.triangles[nearest.triangle];
   if (nearest.distance > near && !has_other_diagonal(face, triangle, own)) return false;
-  return normal_of(points, {face[0], face[1], face[2]}).dot(normal_of(points, triangle)) < kOpposite;
+  return triangle_normal(points, {face[0], face[1], face[2]}).dot(triangle_normal(points, triangle)) <
+         kOpposite;
 }
 
 /// The part with the lowest number that shared faces join to each.

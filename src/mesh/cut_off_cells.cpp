@@ -115,10 +115,8 @@ class VertexSlide {
   [[nodiscard]] bool is_parallel(std::uint32_t t) const {
     constexpr double kParallel = 0.999;
     const PatchKind kind = mesh_.info.patches[static_cast<std::size_t>(mesh_.triangle_patches[t])].kind;
-    const auto& [a, b, c] = mesh_.triangles[t];
     return is_plane(kind) &&
-           std::abs(triangle_normal(mesh_.points[a], mesh_.points[b], mesh_.points[c]).dot(normal_)) >
-               kParallel;
+           std::abs(triangle_normal(mesh_.points, mesh_.triangles[t]).dot(normal_)) > kParallel;
   }
 
   [[nodiscard]] std::vector<double> volumes_around(std::uint32_t v) const {
@@ -132,10 +130,8 @@ class VertexSlide {
   }
   [[nodiscard]] std::vector<Vec3> normals_around(std::uint32_t v) const {
     std::vector<Vec3> normals;
-    for (const std::uint32_t t : triangles_.of(v)) {
-      const auto& [a, b, c] = mesh_.triangles[t];
-      normals.push_back(triangle_area_normal(mesh_.points[a], mesh_.points[b], mesh_.points[c]));
-    }
+    for (const std::uint32_t t : triangles_.of(v))
+      normals.push_back(triangle_area_normal(mesh_.points, mesh_.triangles[t]));
     return normals;
   }
 

@@ -20,15 +20,10 @@ namespace lumesh::metric {
 
 namespace {
 
-/// Twice the area, along the normal.
-Vec3 area_vector(std::span<const Vec3> points, const Cell<3>& t) {
-  return triangle_area_normal(points[t[0]], points[t[1]], points[t[2]]);
-}
-
 std::vector<Vec3> vertex_normals(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
   std::vector<Vec3> normals(points.size(), Vec3::Zero());
   for (const Cell<3>& t : triangles)
-    for (const std::uint32_t v : t) normals[v] += area_vector(points, t);
+    for (const std::uint32_t v : t) normals[v] += triangle_area_normal(points, t);
   for (Vec3& normal : normals) normal = normal.norm() > 0 ? normal.normalized() : Vec3::UnitZ();
   return normals;
 }
@@ -90,7 +85,8 @@ std::vector<std::uint32_t> smooth_pieces(std::span<const Vec3> points, const Bou
   for_each_edge(sorted_sides(faces.triangles), [&](std::span<const TriangleSide> edge) {
     if (edge.size() != 2) return;
     const std::uint32_t s = edge[0].triangle, t = edge[1].triangle;
-    const Vec3 n = area_vector(points, faces.triangles[s]), m = area_vector(points, faces.triangles[t]);
+    const Vec3 n = triangle_area_normal(points, faces.triangles[s]),
+               m = triangle_area_normal(points, faces.triangles[t]);
     if (faces.patches[s] != faces.patches[t] || n.dot(m) < min_cosine * n.norm() * m.norm()) return;
     pieces.merge(s, t);
   });

@@ -19,10 +19,8 @@ bool is_between_labels(const BoundaryFaces& faces, std::size_t face) {
 /// The sets of faces of one patch that reach each other over edges without crease.
 DisjointSets smooth_parts(const TetMesh& mesh, const BoundaryFaces& faces, double angle_deg) {
   std::vector<Vec3> normals(faces.triangles.size());
-  for (std::uint32_t i = 0; i < faces.triangles.size(); ++i) {
-    const auto& [a, b, c] = faces.triangles[i];
-    normals[i] = triangle_normal(mesh.point(VertexId(a)), mesh.point(VertexId(b)), mesh.point(VertexId(c)));
-  }
+  for (std::uint32_t i = 0; i < faces.triangles.size(); ++i)
+    normals[i] = triangle_normal(mesh.points(), faces.triangles[i]);
   DisjointSets sets(faces.triangles.size());
   const double min_cosine = std::cos(angle_deg * std::numbers::pi / 180);
   for_each_edge(sorted_sides(faces.triangles), [&](std::span<const TriangleSide> edge) {

@@ -164,7 +164,7 @@ class Settling {
       const auto is_at_wall = [&](std::uint32_t v) {
         return rim_of_[v] != kNoRim && rim_at(v).wall() == patch;
       };
-      const Vec3 normal = triangle_area_normal(points_[corners[0]], points_[corners[1]], points_[corners[2]]);
+      const Vec3 normal = triangle_area_normal(points_, corners);
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = corners[k], w = corners[(k + 1) % 3];
         const std::size_t flat = rim_of_[v] == kNoRim ? 2 : rim_at(v).flat_number(patch);
@@ -460,9 +460,7 @@ class Settling {
   [[nodiscard]] bool faces_outwards(std::size_t face) const {
     constexpr double kMinFacing = 0.8, kHardly = 0.05;  // Cosines.
     const Cell<3>& corners = faces_.triangles[face];
-    const auto normal_in = [&](std::span<const Vec3> points) {
-      return triangle_normal(points[corners[0]], points[corners[1]], points[corners[2]]);
-    };
+    const auto normal_in = [&](std::span<const Vec3> points) { return triangle_normal(points, corners); };
     const Vec3 after = normal_in(points_);
     const auto leans = [&](std::uint32_t v, const Vec3& normal) {
       return is_free_in(v, face) ? 1 - std::abs(normal.dot(places_[v].normal)) : 0;

@@ -94,8 +94,8 @@ std::optional<CylinderFit> fit_cylinder(const PatchTriangles& patch, double allo
   constexpr int kSteps = 30;
   if (patch.points.size() < kFewest) return std::nullopt;
   Mat3 spread = Mat3::Zero();
-  for (const auto& [a, b, c] : patch.triangles) {
-    const Vec3 normal = triangle_area_normal(patch.points[a], patch.points[b], patch.points[c]);
+  for (const Cell<3>& triangle : patch.triangles) {
+    const Vec3 normal = triangle_area_normal(patch.points, triangle);
     spread += normal * normal.transpose() / std::max(normal.norm(), 1e-300);
   }
   // All normals are across the axis.
@@ -114,9 +114,9 @@ std::shared_ptr<const Surface> cylinder_of(const PatchTriangles& patch, double a
   const std::optional<CylinderFit> fit = fit_cylinder(patch, allowed);
   if (!fit) return nullptr;
   double outward = 0;
-  for (const auto& [a, b, c] : patch.triangles) {
-    const Vec3& corner = patch.points[a];
-    outward += triangle_area_normal(corner, patch.points[b], patch.points[c])
+  for (const Cell<3>& triangle : patch.triangles) {
+    const Vec3& corner = patch.points[triangle[0]];
+    outward += triangle_area_normal(patch.points, triangle)
                    .dot(corner - fit->on_axis - (corner - fit->on_axis).dot(fit->axis) * fit->axis);
   }
   return std::make_shared<CylinderSurface>(fit->on_axis, fit->axis, fit->radius, outward > 0 ? 1 : -1);
@@ -137,8 +137,7 @@ template <class HeightOver>
 void lower(PatchTriangles& patch, const std::vector<Vec3>& normals, const HeightOver& height_over) {
   std::vector<ValueOnArea> heights(patch.triangles.size());
   parallel::for_each_index(heights.size(), 64, [&](std::size_t i) {
-    const auto& [a, b, c] = patch.triangles[i];
-    heights[i] = {height_over(i), triangle_area(patch.points[a], patch.points[b], patch.points[c])};
+    heights[i] = {height_over(i), triangle_area(patch.points, patch.triangles[i])};
   });
   const std::vector<double> means = means_around_vertices(patch.triangles, heights, patch.points.size());
   const std::vector<bool> is_at_rim = rim_points(patch);

@@ -70,8 +70,8 @@ void add_flat(std::span<const Vec3> points, const Cell<4>& c, double volume, Fla
   for (const double angle : dihedral_angles_deg(points[c[0]], points[c[1]], points[c[2]], points[c[3]]))
     tally.add_angle(angle);
   double largest_face = 0;
-  for (const auto& [p, q, r] : triangles_of(c))
-    largest_face = std::max(largest_face, triangle_area(points[p], points[q], points[r]));
+  for (const Cell<3>& triangle : triangles_of(c))
+    largest_face = std::max(largest_face, triangle_area(points, triangle));
   tally.add_aspect(longest_of(kTetEdges, points, c), 3 * volume / largest_face);
 }
 

@@ -106,10 +106,7 @@ double angle_inside_deg(const Vec3& one, const Vec3& other) {
 /// Area, centre and least wall angle of each named opening, in mm (LPS).
 std::vector<CutMesh::Opening> measure(const MixedMesh& mesh, const std::set<std::string>& names) {
   const Vec3 to_mm = frame_factors(mesh.info, MeshInfo());
-  const auto normal_of = [&](std::size_t t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    return triangle_normal(mesh.points[a], mesh.points[b], mesh.points[c]);
-  };
+  const auto normal_of = [&](std::size_t t) { return triangle_normal(mesh.points, mesh.triangles[t]); };
   std::vector<CutMesh::Opening> openings;
   for (std::size_t p = 0; p < mesh.info.patches.size(); ++p) {
     if (!names.contains(mesh.info.patches[p].name)) continue;

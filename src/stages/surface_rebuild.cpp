@@ -53,8 +53,7 @@ class GivenSurface {
 
   /// Whether there is inside on one side of a place on the surface and outside on the other.
   [[nodiscard]] bool is_boundary(const Vec3& point, std::size_t triangle, double step_mm) const {
-    const auto& [a, b, c] = mesh_.triangles[triangle];
-    const Vec3 step = step_mm * triangle_normal(mesh_.points[a], mesh_.points[b], mesh_.points[c]);
+    const Vec3 step = step_mm * triangle_normal(mesh_.points, mesh_.triangles[triangle]);
     return winding_.at(point + step) < kInsideWinding || winding_.at(point - step) < kInsideWinding;
   }
   [[nodiscard]] const TriangleTree& tree() const { return tree_; }

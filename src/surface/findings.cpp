@@ -175,10 +175,7 @@ class SurfaceCheck {
   void look_at_folds() {
     Finding folds =
         remark("folds", "edges at which a triangle lies back on its neighbour, within 1 degree", kRepair);
-    const auto normal = [&](std::uint32_t t) {
-      const Cell<3>& c = alike_.triangles[t];
-      return triangle_normal(alike_.points[c[0]], alike_.points[c[1]], alike_.points[c[2]]);
-    };
+    const auto normal = [&](std::uint32_t t) { return triangle_normal(alike_.points, alike_.triangles[t]); };
     for_each_edge(sorted_sides(alike_.triangles), [&](std::span<const TriangleSide> edge) {
       if (edge.size() == 2 && normal(edge[0].triangle).dot(normal(edge[1].triangle)) < kFoldCosine)
         folds.add(middle_of(edge[0]));

@@ -40,8 +40,7 @@ Plane plane_of(const Rim& rim, const VertexPlanes& planes) {
 }
 
 Vec3 normal_at(const TriangleMesh& surface, std::size_t t) {
-  const auto& [a, b, c] = surface.triangles[t];
-  return triangle_area_normal(surface.points[a], surface.points[b], surface.points[c]);
+  return triangle_area_normal(surface.points, surface.triangles[t]);
 }
 
 }  // namespace

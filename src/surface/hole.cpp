@@ -48,8 +48,7 @@ HoleRim hole_rim(const TriangleMesh& surface, const Rim& rim) {
       if (at_a == corner.end() || at_b == corner.end()) continue;
       hole.wall_edges.insert(edge_key(at_a->second, at_b->second));
       if (at_a->second == (at_b->second + 1) % count)
-        hole.wall_normals[at_b->second] = triangle_normal(
-            surface.points[triangle[0]], surface.points[triangle[1]], surface.points[triangle[2]]);
+        hole.wall_normals[at_b->second] = triangle_normal(surface.points, triangle);
     }
   for (const std::set<std::uint32_t>& mine : ring) {
     std::vector<Vec3>& places = hole.wall_ring.emplace_back();
@@ -216,8 +215,8 @@ class Filling {
     const std::vector<Vec3> before = points_;
     solve();
     for (const Cell<3>& t : mesh_.triangles()) {
-      const Vec3 normal = triangle_area_normal(points_[t[0]], points_[t[1]], points_[t[2]]);
-      if (!(normal.dot(triangle_area_normal(before[t[0]], before[t[1]], before[t[2]])) > 0)) {
+      const Vec3 normal = triangle_area_normal(points_, t);
+      if (!(normal.dot(triangle_area_normal(before, t)) > 0)) {
         points_ = before;
         return;
       }

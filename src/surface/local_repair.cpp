@@ -132,9 +132,8 @@ class LocalRepair {
     std::vector<PartMeasures> measures(parts.count);
     for (std::uint32_t t = 0; t < origin_.size(); ++t) {
       PartMeasures& part = measures[parts.of_triangle[t]];
-      const auto& [a, b, c] = surface_.triangles[t];
-      part.area_mm2 += triangle_area(surface_.points[a], surface_.points[b], surface_.points[c]);
-      for (const std::uint32_t v : {a, b, c}) part.box.extend(surface_.points[v]);
+      part.area_mm2 += triangle_area(surface_.points, surface_.triangles[t]);
+      for (const std::uint32_t v : surface_.triangles[t]) part.box.extend(surface_.points[v]);
       part.triangles.push_back(t);
       for (const std::uint32_t n : neighbours[t]) part.is_open = part.is_open || n >= kCrowdedEdge;
     }
@@ -178,9 +177,9 @@ class LocalRepair {
       const auto& [a, b, c] = surface_.triangles[t];
       for (const Vec3& p : {surface_.points[a], surface_.points[b], surface_.points[c], middle_of(t)})
         if (tree.nearest(p, max_distance_mm_).triangle == TriangleTree::kNone) return false;
-      const auto& [d, e, f] = others[tree.nearest(middle_of(t)).triangle];
-      alike += triangle_area_normal(surface_.points[a], surface_.points[b], surface_.points[c])
-                   .dot(triangle_normal(surface_.points[d], surface_.points[e], surface_.points[f]));
+      const Cell<3>& other = others[tree.nearest(middle_of(t)).triangle];
+      alike += triangle_area_normal(surface_.points, surface_.triangles[t])
+                   .dot(triangle_normal(surface_.points, other));
     }
     return either_way || alike > 0;
   }
@@ -301,8 +300,7 @@ class LocalRepair {
 
   void mark_folds(std::vector<std::uint8_t>& is_bad) const {
     const auto normal = [&](std::uint32_t t) {
-      const auto& [a, b, c] = surface_.triangles[t];
-      return triangle_normal(surface_.points[a], surface_.points[b], surface_.points[c]);
+      return triangle_normal(surface_.points, surface_.triangles[t]);
     };
     std::vector<std::uint8_t> opposed(origin_.size(),
                                       0);  // Edges of each triangle. A sharp edge of a wedge is one.

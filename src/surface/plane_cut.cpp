@@ -197,8 +197,7 @@ std::vector<std::uint8_t> smooth_vertices(const TriangleMesh& surface, const par
   for (std::uint32_t v = 0; v < is_smooth.size(); ++v) {
     const auto triangles = around.of(v);
     const auto normal_of = [&](std::uint32_t t) {
-      const auto& [a, b, c] = surface.triangles[t];
-      return triangle_normal(surface.points[a], surface.points[b], surface.points[c]);
+      return triangle_normal(surface.points, surface.triangles[t]);
     };
     Vec3 mean = Vec3::Zero();
     for (const std::uint32_t t : triangles) mean += normal_of(t);
@@ -259,8 +258,7 @@ std::int32_t cap_sections(TriangleMesh& surface, const SectionPlane& plane, std:
 double area_of(const TriangleMesh& surface, std::span<const std::uint8_t> mark, std::uint8_t which) {
   double area = 0;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    if (const auto& [a, b, c] = surface.triangles[t]; mark[t] == which)
-      area += triangle_area(surface.points[a], surface.points[b], surface.points[c]);
+    if (mark[t] == which) area += triangle_area(surface.points, surface.triangles[t]);
   return area;
 }
 
@@ -384,11 +382,10 @@ std::int32_t cut_off_beyond(TriangleMesh& surface, const SectionPlane& plane, st
   DividedSurface divided = Divider(cut, heights).run();
   std::vector<std::uint8_t> goes(divided.mesh.triangles.size(), 0);
   for (std::size_t t = 0; t < goes.size(); ++t) {
-    const auto& [a, b, c] = divided.mesh.triangles[t];
-    const std::vector<Vec3>& p = divided.mesh.points;
+    const Vec3 normal = triangle_area_normal(divided.mesh.points, divided.mesh.triangles[t]);
     // In the plane lies the end of what is below, or of what is above.
-    const bool ends_what_is_above = divided.sides[t] == DividedSurface::Side::kUnknown &&
-                                    triangle_area_normal(p[a], p[b], p[c]).dot(plane.normal) < 0;
+    const bool ends_what_is_above =
+        divided.sides[t] == DividedSurface::Side::kUnknown && normal.dot(plane.normal) < 0;
     goes[t] = divided.sides[t] == DividedSurface::Side::kAbove || ends_what_is_above ? 1 : 0;
   }
   drop_triangles(divided.mesh, goes);

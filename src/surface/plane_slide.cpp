@@ -26,8 +26,7 @@ double PlaneSlide::mean_edge_at(std::uint32_t v) const {
 }
 
 Vec3 PlaneSlide::area_normal(std::uint32_t t) const {
-  const auto& [a, b, c] = surface_.triangles[t];
-  return triangle_area_normal(surface_.points[a], surface_.points[b], surface_.points[c]);
+  return triangle_area_normal(surface_.points, surface_.triangles[t]);
 }
 
 bool PlaneSlide::move(std::uint32_t v) {

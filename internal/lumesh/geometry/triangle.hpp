@@ -3,8 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <span>
 
 #include "lumesh/core/types.hpp"
 
@@ -15,9 +18,19 @@ namespace lumesh {
   return (b - a).cross(c - a);
 }
 
+/// Normal of a triangle of a surface by the numbers of its corners.
+[[nodiscard]] inline Vec3 triangle_area_normal(std::span<const Vec3> points,
+                                               const std::array<std::uint32_t, 3>& corners) {
+  return triangle_area_normal(points[corners[0]], points[corners[1]], points[corners[2]]);
+}
+
 /// Area in the square of the coordinates' unit, >= 0.
 [[nodiscard]] inline double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 0.5 * triangle_area_normal(a, b, c).norm();
+}
+[[nodiscard]] inline double triangle_area(std::span<const Vec3> points,
+                                          const std::array<std::uint32_t, 3>& corners) {
+  return triangle_area(points[corners[0]], points[corners[1]], points[corners[2]]);
 }
 
 /// In [0, pi]; accurate for small angles too.
@@ -59,6 +72,10 @@ struct AreaSum {
   const Vec3 normal = triangle_area_normal(a, b, c);
   const double length = normal.norm();
   return length > 0 ? Vec3(normal / length) : Vec3(Vec3::Zero());
+}
+[[nodiscard]] inline Vec3 triangle_normal(std::span<const Vec3> points,
+                                          const std::array<std::uint32_t, 3>& corners) {
+  return triangle_normal(points[corners[0]], points[corners[1]], points[corners[2]]);
 }
 
 /// Cosine of the angle opposite the shortest side. Not a number if two corners are in one place.
