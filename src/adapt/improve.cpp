@@ -9,6 +9,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "lumesh/operators/ordered_execution.hpp"
@@ -35,12 +36,10 @@ operators::ShapeMeasure measure_for(const ImproveOptions& options) {
 }
 
 void measure_angles(TetMesh& mesh, double obtuse_weight) {
-  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    if (mesh.alive(t))
-      mesh.set_quality(
-          t, static_cast<float>(operators::angle_quality(
-                 mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3), obtuse_weight)));
+  for_each_tet(mesh, [&](TetId t) {
+    mesh.set_quality(
+        t, static_cast<float>(operators::angle_quality(mesh.corner(t, 0), mesh.corner(t, 1),
+                                                       mesh.corner(t, 2), mesh.corner(t, 3), obtuse_weight)));
   });
 }
 

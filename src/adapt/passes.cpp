@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/operators/operators.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -106,9 +107,7 @@ EdgeList long_edges(const operators::Subject& subject, TetId t, double longest, 
 /// The length of each vertex's shortest edge where that is shorter than `shortest`, else `shortest`.
 std::vector<float> nearest_below(const TetMesh& mesh, double shortest) {
   std::vector<float> nearest(mesh.vertex_slots(), static_cast<float>(shortest));
-  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    if (!mesh.alive(t)) return;
+  for_each_tet(mesh, [&](TetId t) {
     for (int e = 0; e < 6; ++e) {
       const EndLengths squared = squared_lengths_of(mesh, t, e);
       if (squared.smaller >= shortest * shortest) continue;

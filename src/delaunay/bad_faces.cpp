@@ -10,7 +10,6 @@
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
-#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
 namespace {
@@ -121,23 +120,19 @@ std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& ru
                                             double min_angle_deg, bool first) {
   const NeededVertices needed(mesh, spacing);
   const double max_cosine = std::cos(min_angle_deg * std::numbers::pi / 180);
-  auto found =
-      parallel::collect<Removal>(mesh.tet_slots(), 4096, [&](std::size_t i, std::vector<Removal>& out) {
-        const TetId t(static_cast<std::uint32_t>(i));
-        if (!mesh.alive(t)) return;
-        for (int f = 0; f < 4; ++f) {
-          if (!rules.is_boundary(t, f) || mesh.link(t, f).tet() < t) continue;
-          const std::array<VertexId, 3> v = corners_by_place(mesh, t, f);
-          if (std::any_of(v.begin(), v.end(), [](VertexId w) { return w.value < 4; })) continue;
-          const bool is_off = std::any_of(
-              v.begin(), v.end(), [&](VertexId w) { return mesh.dimension(w) == VertexDimension::kVolume; });
-          const double cosine =
-              cosine_of_smallest_angle(mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]));
-          if (!is_off && !(cosine > max_cosine)) continue;
-          if (const VertexId gone = superfluous_vertex(mesh, needed, v, first); gone.valid())
-            out.push_back({cosine, gone});
-        }
-      });
+  auto found = collect_from_tets<Removal>(mesh, [&](TetId t, std::vector<Removal>& out) {
+    for (int f = 0; f < 4; ++f) {
+      if (!rules.is_boundary(t, f) || mesh.link(t, f).tet() < t) continue;
+      const std::array<VertexId, 3> v = corners_by_place(mesh, t, f);
+      if (std::any_of(v.begin(), v.end(), [](VertexId w) { return w.value < 4; })) continue;
+      const bool is_off = std::any_of(
+          v.begin(), v.end(), [&](VertexId w) { return mesh.dimension(w) == VertexDimension::kVolume; });
+      const double cosine = cosine_of_smallest_angle(mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]));
+      if (!is_off && !(cosine > max_cosine)) continue;
+      if (const VertexId gone = superfluous_vertex(mesh, needed, v, first); gone.valid())
+        out.push_back({cosine, gone});
+    }
+  });
   std::sort(found.begin(), found.end(), [&](const Removal& a, const Removal& b) {
     return a.badness != b.badness ? a.badness > b.badness
                                   : precedes(mesh.point(a.vertex), mesh.point(b.vertex));

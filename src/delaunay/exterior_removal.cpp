@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lumesh/domain/patch_names.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
@@ -18,10 +19,9 @@ Material material_of(const TetMesh& mesh, TetId t) {
 /// Drops what is not meshed. Where it was, links say which material.
 void drop_outside(TetMesh& mesh, const Domain& domain) {
   std::vector<std::uint8_t> kept(mesh.tet_slots(), 0);
-  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    if (!mesh.alive(t) || !domain.is_meshed(material_of(mesh, t))) return;
-    kept[i] = 1;
+  for_each_tet(mesh, [&](TetId t) {
+    if (!domain.is_meshed(material_of(mesh, t))) return;
+    kept[t.value] = 1;
     for (int f = 0; f < 4; ++f) {
       const Material behind = material_of(mesh, mesh.link(t, f).tet());
       if (!domain.is_meshed(behind)) mesh.set_link(t, f, FaceLink::boundary(PatchId(behind)));
@@ -38,17 +38,15 @@ struct BoundaryFace {
 
 /// Each face between materials, once.
 std::vector<BoundaryFace> boundary_faces(const TetMesh& mesh) {
-  return parallel::collect<BoundaryFace>(mesh.tet_slots(),
-                                         [&](std::size_t i, std::vector<BoundaryFace>& out) {
-                                           const TetId t(static_cast<std::uint32_t>(i));
-                                           for (int f = 0; f < 4; ++f) {
-                                             const FaceLink behind = mesh.link(t, f);
-                                             if (behind.is_boundary())
-                                               out.push_back({t, f, behind.patch().value});
-                                             else if (material_of(mesh, t) < material_of(mesh, behind.tet()))
-                                               out.push_back({t, f, material_of(mesh, behind.tet())});
-                                           }
-                                         });
+  return collect_from_tets<BoundaryFace>(mesh, [&](TetId t, std::vector<BoundaryFace>& out) {
+    for (int f = 0; f < 4; ++f) {
+      const FaceLink behind = mesh.link(t, f);
+      if (behind.is_boundary())
+        out.push_back({t, f, behind.patch().value});
+      else if (material_of(mesh, t) < material_of(mesh, behind.tet()))
+        out.push_back({t, f, material_of(mesh, behind.tet())});
+    }
+  });
 }
 
 /// The part of the outside behind a face of the boundary: an opening if all its corners touch one,
@@ -105,10 +103,7 @@ void remove_exterior(TetMesh& mesh, const Domain& domain) {
   mesh.reorder_along_curve();
   mesh.normalise();
   set_patches(mesh, domain);
-  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    mesh.set_label(t, domain.label_of(material_of(mesh, t)));
-  });
+  for_each_tet(mesh, [&](TetId t) { mesh.set_label(t, domain.label_of(material_of(mesh, t))); });
 }
 
 }  // namespace lumesh::delaunay

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "topology.hpp"
 
@@ -30,14 +31,12 @@ std::size_t relabel_out_of_bounds(TetMesh& mesh, const Domain& domain) {
   const std::vector<std::uint8_t> is_out = vertices_out(mesh, domain);
   std::size_t count = 0;
   for (int round = 0;; ++round) {
-    const auto found =
-        parallel::collect<TetId>(mesh.tet_slots(), [&](std::size_t i, std::vector<TetId>& out) {
-          const TetId t(static_cast<std::uint32_t>(i));
-          if (!mesh.alive(t) || !domain.is_meshed(static_cast<Material>(mesh.label(t)))) return;
-          const auto& corners = mesh.tet(t);
-          if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_out[v] != 0; }))
-            out.push_back(t);
-        });
+    const auto found = collect_from_tets<TetId>(mesh, [&](TetId t, std::vector<TetId>& out) {
+      if (!domain.is_meshed(static_cast<Material>(mesh.label(t)))) return;
+      const auto& corners = mesh.tet(t);
+      if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_out[v] != 0; }))
+        out.push_back(t);
+    });
     if (found.empty()) return count;
     count += found.size();
     std::vector<VertexId> suspects;

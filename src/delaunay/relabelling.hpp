@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lumesh/domain/domain.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "places.hpp"
@@ -25,9 +26,8 @@ std::size_t relabel_unless_pinching(TetMesh& mesh, const Domain& domain, const M
     TetId tet;
     CornerPlaces corners;
   };
-  auto candidates = parallel::collect<Relabelling>(mesh.tet_slots(), 8192, [&](std::size_t i, auto& out) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    if (mesh.alive(t) && material_of(t)) out.push_back({t, corner_places(mesh, t)});
+  auto candidates = collect_from_tets<Relabelling>(mesh, [&](TetId t, auto& out) {
+    if (material_of(t)) out.push_back({t, corner_places(mesh, t)});
   });
   parallel::sort(candidates.begin(), candidates.end(),
                  [](const Relabelling& a, const Relabelling& b) { return is_earlier(a.corners, b.corners); });

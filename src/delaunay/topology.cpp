@@ -195,24 +195,21 @@ Material part_of(const Domain& domain, const TetMesh& mesh, TetId t) {
 /// outside one is enough.
 std::vector<FanFace> boundary_fans(const TetMesh& mesh, const Domain& domain) {
   const bool has_labels = domain.label_count() > 2;
-  auto fans =
-      parallel::collect<FanFace>(mesh.tet_slots(), 8192, [&](std::size_t i, std::vector<FanFace>& out) {
-        const TetId t(static_cast<std::uint32_t>(i));
-        if (!mesh.alive(t)) return;
-        const Material mine = part_of(domain, mesh, t);
-        if (mine == 0) return;
-        for (int f = 0; f < 4; ++f) {
-          const FaceLink behind = mesh.link(t, f);
-          if (behind.is_boundary() || part_of(domain, mesh, behind.tet()) == mine) continue;
-          const Cell<3> v = mesh.face_corners(t, f);
-          const bool ends_object = has_labels && part_of(domain, mesh, behind.tet()) == 0;
-          for (std::size_t c = 0; c < 3; ++c) {
-            const std::uint32_t next = v[(c + 1) % 3], last = v[(c + 2) % 3];
-            out.push_back({v[c], mine, {next, last}});
-            if (ends_object) out.push_back({v[c], 0, {last, next}});
-          }
-        }
-      });
+  auto fans = collect_from_tets<FanFace>(mesh, [&](TetId t, std::vector<FanFace>& out) {
+    const Material mine = part_of(domain, mesh, t);
+    if (mine == 0) return;
+    for (int f = 0; f < 4; ++f) {
+      const FaceLink behind = mesh.link(t, f);
+      if (behind.is_boundary() || part_of(domain, mesh, behind.tet()) == mine) continue;
+      const Cell<3> v = mesh.face_corners(t, f);
+      const bool ends_object = has_labels && part_of(domain, mesh, behind.tet()) == 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t next = v[(c + 1) % 3], last = v[(c + 2) % 3];
+        out.push_back({v[c], mine, {next, last}});
+        if (ends_object) out.push_back({v[c], 0, {last, next}});
+      }
+    }
+  });
   parallel::sort(fans.begin(), fans.end(), [](const FanFace& a, const FanFace& b) {
     return a.vertex != b.vertex ? a.vertex < b.vertex : a.material < b.material;
   });

@@ -15,6 +15,7 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/vertex_neighbours.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -243,9 +244,8 @@ void InteriorDeformation::improve_interior() {
 std::vector<std::uint8_t> InteriorDeformation::flags_at_tets(
     const std::function<bool(TetId)>& is_such) const {
   std::vector<std::uint8_t> flags(mesh_.vertex_slots(), 0);
-  parallel::for_each_index(mesh_.tet_slots(), [&](std::size_t i) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    if (!mesh_.alive(t) || !is_such(t)) return;
+  for_each_tet(mesh_, [&](TetId t) {
+    if (!is_such(t)) return;
     for (int k = 0; k < 4; ++k) parallel::raise(flags[mesh_.vertex(t, k).value]);
   });
   return flags;

@@ -1,6 +1,7 @@
 #include "lumesh/mesh/tet_mesh.hpp"
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -135,10 +136,7 @@ BoundaryFaces TetMesh::boundary_faces() const {
     std::int32_t patch;
     std::array<TetId, 2> tets;
   };
-  const auto faces = parallel::collect<PatchFace>(tet_slots(), [&](std::size_t i,
-                                                                   std::vector<PatchFace>& out) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    if (!alive(t)) return;
+  const auto faces = collect_from_tets<PatchFace>(*this, [&](TetId t, std::vector<PatchFace>& out) {
     for (int f = 0; f < 4; ++f) {
       const FaceLink behind = link(t, f);
       const PatchId on_face = patch(t, f);

@@ -7,6 +7,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/patch_naming.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
@@ -188,18 +189,16 @@ struct TetMesh::Assembly {
   }
 
   void find_open_faces() {
-    open_faces =
-        parallel::collect<OpenFace>(mesh.tet_slots(), [&](std::size_t i, std::vector<OpenFace>& out) {
-          const TetId t(static_cast<std::uint32_t>(i));
-          const Label mine = mesh.label(t);
-          for (int f = 0; f < 4; ++f) {
-            const FaceLink behind = mesh.link(t, f);
-            if (behind.is_boundary())
-              out.push_back({t, f, mine, kBackground});
-            else if (mine < mesh.label(behind.tet()))
-              out.push_back({t, f, mine, mesh.label(behind.tet())});
-          }
-        });
+    open_faces = collect_from_tets<OpenFace>(mesh, [&](TetId t, std::vector<OpenFace>& out) {
+      const Label mine = mesh.label(t);
+      for (int f = 0; f < 4; ++f) {
+        const FaceLink behind = mesh.link(t, f);
+        if (behind.is_boundary())
+          out.push_back({t, f, mine, kBackground});
+        else if (mine < mesh.label(behind.tet()))
+          out.push_back({t, f, mine, mesh.label(behind.tet())});
+      }
+    });
   }
 
   /// Asks `choose` for every open face and stores the answers.

@@ -1,5 +1,6 @@
 #include "lumesh/mesh/triangle_mesh.hpp"
 
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -11,14 +12,11 @@ struct PatchedTriangle {
 };
 
 std::vector<PatchedTriangle> outer_triangles(const TetMesh& mesh) {
-  return parallel::collect<PatchedTriangle>(
-      mesh.tet_slots(), [&](std::size_t i, std::vector<PatchedTriangle>& out) {
-        const TetId t(static_cast<std::uint32_t>(i));
-        if (!mesh.alive(t)) return;
-        for (int f = 0; f < 4; ++f)
-          if (mesh.link(t, f).is_boundary())
-            out.push_back({mesh.face_corners(t, f), static_cast<std::int32_t>(mesh.patch(t, f).value)});
-      });
+  return collect_from_tets<PatchedTriangle>(mesh, [&](TetId t, std::vector<PatchedTriangle>& out) {
+    for (int f = 0; f < 4; ++f)
+      if (mesh.link(t, f).is_boundary())
+        out.push_back({mesh.face_corners(t, f), static_cast<std::int32_t>(mesh.patch(t, f).value)});
+  });
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "validate_impl.hpp"
 
@@ -29,9 +30,7 @@ struct SurfaceSide {
 };
 
 std::vector<SurfaceFace> surface_faces(const TetMesh& mesh) {
-  return parallel::collect<SurfaceFace>(mesh.tet_slots(), [&](std::size_t i, std::vector<SurfaceFace>& out) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    if (!mesh.alive(t)) return;
+  return collect_from_tets<SurfaceFace>(mesh, [&](TetId t, std::vector<SurfaceFace>& out) {
     for (int f = 0; f < 4; ++f) {
       const FaceLink link = mesh.link(t, f);
       if (link.is_boundary() || mesh.label(link.tet()) != mesh.label(t))

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "background.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/metric/analytic.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -66,9 +67,7 @@ void MetricField::scale_sizes(double factor) {
 }
 
 void measure_qualities(TetMesh& mesh) {
-  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
-    const TetId t(static_cast<std::uint32_t>(i));
-    if (!mesh.alive(t)) return;
+  for_each_tet(mesh, [&](TetId t) {
     const auto log = [&](int k) -> const SymTensor& { return mesh.log_metric(mesh.vertex(t, k)); };
     mesh.set_quality(t, static_cast<float>(mean_ratio(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2),
                                                       mesh.corner(t, 3), log(0), log(1), log(2), log(3))));

@@ -1,5 +1,5 @@
 #pragma once
-/// @file Walks over a TetMesh by adjacency: the tetrahedra around a vertex.
+/// @file Walks over a TetMesh: over all tetrahedra, and by adjacency over those around a vertex.
 
 #include <cstdint>
 #include <span>
@@ -7,8 +7,27 @@
 
 #include "lumesh/core/local_map.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
+
+/// Calls visit(t) for every living tetrahedron. Parallel.
+template <class Visit>
+void for_each_tet(const TetMesh& mesh, const Visit& visit) {
+  parallel::for_each_index(mesh.tet_slots(), [&](std::size_t i) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (mesh.alive(t)) visit(t);
+  });
+}
+
+/// Items that append(t, out) appends for living tetrahedra, in the order of these. Parallel.
+template <class Item, class Append>
+[[nodiscard]] std::vector<Item> collect_from_tets(const TetMesh& mesh, const Append& append) {
+  return parallel::collect<Item>(mesh.tet_slots(), [&](std::size_t i, std::vector<Item>& out) {
+    const TetId t(static_cast<std::uint32_t>(i));
+    if (mesh.alive(t)) append(t, out);
+  });
+}
 
 /// The tetrahedra around a vertex that can be reached from its incident one through faces at the vertex; in a
 /// valid mesh, all of them. Keep one object per thread and use it again: it then allocates nothing. Cost:
