@@ -68,7 +68,7 @@ class PlaneGrid {
   void for_each_change(const Visit& visit) const {
     for (std::size_t s = 0; s < size(); ++s) {
       if (!domain_.is_meshed(materials_[s])) continue;
-      for_each_neighbour(s, [&](std::size_t beside) {
+      for_each_square_beside(static_cast<std::size_t>(columns_), size(), s, [&](std::size_t beside) {
         if (materials_[beside] != materials_[s])
           visit(0.5 * (centre_of(s) + centre_of(beside)), materials_[s], materials_[beside]);
       });
@@ -106,15 +106,6 @@ class PlaneGrid {
   [[nodiscard]] Material material_of(const Vec3& x) const {
     const Material m = domain_.material_at(x);
     return domain_.is_meshed(m) && domain_.material_at(x + 2 * inside_mm_ * normal_) != beyond_ ? 0 : m;
-  }
-
-  template <class Visit>
-  void for_each_neighbour(std::size_t square, const Visit& visit) const {
-    const auto columns = static_cast<std::size_t>(columns_);
-    if (square % columns > 0) visit(square - 1);
-    if (square % columns + 1 < columns) visit(square + 1);
-    if (square >= columns) visit(square - columns);
-    if (square + columns < size()) visit(square + columns);
   }
 
   const Domain& domain_;

@@ -7,6 +7,16 @@
 
 namespace lumesh {
 
+/// Calls visit(square) for the squares beside one, at most four.
+/// @param count  Of all squares.
+template <class Visit>
+void for_each_square_beside(std::size_t columns, std::size_t count, std::size_t square, const Visit& visit) {
+  if (square % columns > 0) visit(square - 1);
+  if (square % columns + 1 < columns) visit(square + 1);
+  if (square >= columns) visit(square - columns);
+  if (square + columns < count) visit(square + columns);
+}
+
 /// Goes from one square to those beside it, and on from each that enter(square) says yes to.
 /// @param count  Of all squares.
 template <class Enter>
@@ -19,10 +29,7 @@ void flood_squares(std::size_t columns, std::size_t count, std::size_t start, co
   while (!open.empty()) {
     const std::size_t at = open.back();
     open.pop_back();
-    if (at % columns > 0) look_at(at - 1);
-    if (at % columns + 1 < columns) look_at(at + 1);
-    if (at >= columns) look_at(at - columns);
-    if (at + columns < count) look_at(at + columns);
+    for_each_square_beside(columns, count, at, look_at);
   }
 }
 
