@@ -264,14 +264,8 @@ Outcome EdgeRemoval::operator()(auto& site, const TetEdge& edge) const {
   if (!triangulation.find(metric::cube(min_quality), rules.max_length) || !triangulation.is_positive() ||
       !keeps_to_surface_across(mesh, ring, a, b, site.subject.shapes))
     return Outcome::kRejected;
-  switch (makes_edge_twice(mesh, ring, triangulation.triangles(), site.lock, site.scratch.ball)) {
-    case Joined::kNotLocked:
-      return Outcome::kContended;
-    case Joined::kYes:
-      return Outcome::kRejected;
-    case Joined::kNo:
-      break;
-  }
+  const Joined joined = makes_edge_twice(mesh, ring, triangulation.triangles(), site.lock, site.scratch.ball);
+  if (const auto refusal = refusal_of(joined)) return *refusal;
   RingReplacement(site.scratch.builder, site.subject.measure, ring, a, b).apply(triangulation);
   return Outcome::kApplied;
 }

@@ -143,14 +143,8 @@ Outcome FaceRemoval::operator()(auto& site, const TetFace& at) const {
   if (!faces.find(t, face, link.tet(), link.face()))
     return faces.contended() ? Outcome::kContended : Outcome::kRejected;
   if (is_longer_than(rules.max_length, mesh, faces.below(), faces.above())) return Outcome::kRejected;
-  switch (are_joined(mesh, faces.below(), faces.above(), site.lock, site.scratch.ball)) {
-    case Joined::kNotLocked:
-      return Outcome::kContended;
-    case Joined::kYes:
-      return Outcome::kRejected;
-    case Joined::kNo:
-      break;
-  }
+  const Joined joined = are_joined(mesh, faces.below(), faces.above(), site.lock, site.scratch.ball);
+  if (const auto refusal = refusal_of(joined)) return *refusal;
   replace(site.scratch.builder, faces);
   return Outcome::kApplied;
 }

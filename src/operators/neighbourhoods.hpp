@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "lumesh/core/local_map.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/operators/terms.hpp"
 
 namespace lumesh::operators {
 
@@ -171,6 +173,12 @@ Joined are_joined(const TetMesh& mesh, VertexId a, VertexId b, Lock& lock, Verte
   const bool found =
       std::find(ball.neighbours.begin(), ball.neighbours.end(), b.value) != ball.neighbours.end();
   return found ? Joined::kYes : Joined::kNo;
+}
+
+/// Outcome of an operator that must not make an edge twice; none if it may go on.
+[[nodiscard]] inline std::optional<Outcome> refusal_of(Joined joined) {
+  if (joined == Joined::kNo) return std::nullopt;
+  return joined == Joined::kYes ? Outcome::kRejected : Outcome::kContended;
 }
 
 }  // namespace lumesh::operators
