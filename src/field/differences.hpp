@@ -13,7 +13,7 @@ struct Differences {
 
 inline constexpr std::size_t kThirdCount = 10, kDifferenceCount = 16;
 
-/// As third_of() orders them, then xx, yy, zz, xy, xz, yz.
+/// Third differences in the order of third_of(), then xx, yy, zz, xy, xz, yz.
 [[gnu::always_inline]] inline std::array<Lanes*, kDifferenceCount> rows_of(Differences& d) {
   return {&d.xxx, &d.yyy, &d.zzz, &d.xxy, &d.xyy, &d.xxz, &d.xzz, &d.yyz,
           &d.yzz, &d.xyz, &d.xx,  &d.yy,  &d.zz,  &d.xy,  &d.xz,  &d.yz};

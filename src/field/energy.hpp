@@ -40,7 +40,7 @@ struct FaceWeights {
 /// Cubic interpolation in the middle of four points, the two voxels of a face and those before and after.
 inline constexpr float kFaceInner = 9.0F / 16, kFaceOuter = -1.0F / 16;
 
-/// What third and second differences are to be, where not 0.
+/// Targets of the third and second differences, where not 0.
 struct DifferenceTargets {
   std::vector<std::int32_t>
       place;  ///< By segment of the band, that of `rows`; 0: all are 0. Empty: everywhere.

@@ -139,6 +139,26 @@ class CutsTest(ProgramTest):
         self.run_well("layers", mesh, "-o", layered, "--side", "inward", "--first-height", "0.1", "--count", "2", "--cells", "prisms")
         self.assert_refused(self.run_lumesh("improve", layered, "-o", cut, "--cut-plane", "30", "10.6", "0", "1", "0", "0"), BAD_INPUT, "prisms")
 
+    def test_ends_of_vessels_that_leave_obliquely_are_clipped_farther_inside(self):
+        """At 70 degrees to the face's normal a cut one radius before the end would meet the border."""
+        radius, angle, size = 3.0, math.radians(70), [88, 14, 26]
+        along = (math.sin(angle), 0, math.cos(angle))
+
+        def is_inside(x, y, z):
+            offset = (x - 43.6, y - 6.4, z - 12.3)
+            height = sum(a * b for a, b in zip(offset, along))
+            return sum((a - height * b) ** 2 for a, b in zip(offset, along)) < radius**2
+
+        voxels = bytes(is_inside(x, y, z) for z in range(size[2]) for y in range(size[1]) for x in range(size[0]))
+        image = nrrd.write(self.folder / "oblique.nrrd", size, voxels)
+        told = self.run_well("info", image, "--json", "--clip-ends", "1r")
+        self.assertEqual(len(re.findall(r"is cut [\d.]+ mm before it, not 3[.\d]* mm: the vessel is cut off obliquely", told.stderr)), 2)
+        openings = json.loads(told.stdout)["openings"]
+        self.assertEqual(len(openings), 2)
+        for opening in openings:
+            self.assertAlmostEqual(opening["area_mm2"] / (math.pi * radius**2), 1, delta=0.045)
+            self.assertGreater(abs(sum(a * b for a, b in zip(opening["normal"], along))), math.cos(math.radians(3)))
+
     def test_ends_are_clipped_square(self):
         told = self.run_well("info", self.image, "--json", "--clip-ends", "1r")
         self.assertIn("(-0.5, 10.6, 10.4) mm stays", told.stderr)  # It is at the joint of the two tubes.
