@@ -91,8 +91,11 @@ bool reader_has_gone() {
 #ifdef __ELF__
 /// Before the libraries are initialised, which takes 20 ms and longer on a busy machine: a stop that comes
 /// then waits for the Program to answer it.
+// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): the pointer is const; functions have no
+// const.
 [[gnu::section(".preinit_array"),
   gnu::used]] void (*const kHoldSignals)() = lumesh::parallel::hold_watched_signals;
+// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 #endif
 
 }  // namespace
