@@ -85,8 +85,8 @@ class ExtensionPlanner {
       else
         note(g,
              "has an extension perpendicular to its plane: the vessel forks, bulges or begins there, or runs "
-             "almost "
-             "along the plane, so that its direction is not clear; cut it further inside with `cut_at`");
+             "almost along the plane, so that its direction is not clear; cut it further inside with "
+             "`cut_at`");
     }
   }
 

@@ -13,15 +13,10 @@ struct Differences {
 
 inline constexpr std::size_t kThirdCount = 10, kDifferenceCount = 16;
 
-/// Third differences in the order of third_of(), then xx, yy, zz, xy, xz, yz.
+/// Third differences, kThirdCount of them, then the second ones.
 [[gnu::always_inline]] inline std::array<Lanes*, kDifferenceCount> rows_of(Differences& d) {
   return {&d.xxx, &d.yyy, &d.zzz, &d.xxy, &d.xyy, &d.xxz, &d.xzz, &d.yyz,
           &d.yzz, &d.xyz, &d.xx,  &d.yy,  &d.zz,  &d.xy,  &d.xz,  &d.yz};
-}
-
-/// xxx, yyy, zzz, xxy, xyy, xxz, xzz, yyz, yzz, xyz.
-[[gnu::always_inline]] inline std::array<Lanes*, kThirdCount> third_of(Differences& d) {
-  return {&d.xxx, &d.yyy, &d.zzz, &d.xxy, &d.xyy, &d.xxz, &d.xzz, &d.yyz, &d.yzz, &d.xyz};
 }
 
 [[gnu::always_inline]] inline Differences differences_of(const Stencil& u) {

@@ -183,9 +183,9 @@ struct StiffnessLoops {
       const std::uint8_t alive = state.band.alive(s);
       if (alive == 0) continue;
       Differences d = differences_of(gather(state.band.rows(s), s, state.values.data()));
-      const auto third = third_of(d);
+      const auto rows = rows_of(d);
       Lanes sum = {};
-      for (std::size_t k = 0; k < kThirdCount; ++k) sum += squares[k] * *third[k] * *third[k];
+      for (std::size_t k = 0; k < kThirdCount; ++k) sum += squares[k] * *rows[k] * *rows[k];
       creases[static_cast<std::size_t>(s)] =
           static_cast<std::uint8_t>(bits_of(keep_numbers(sum) > Lanes{} + kCrease * kCrease) & alive);
     }
