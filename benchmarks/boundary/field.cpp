@@ -25,12 +25,12 @@ double degrees_between(const Vec3& a, const Vec3& b) {
 /// thickness.
 std::vector<WallSample> surface_places(const Shape& shape, std::uint64_t seed) {
   constexpr std::size_t kWanted = 4000;
-  constexpr int kMostTries = 4'000'000;
+  constexpr int kMaxTries = 4'000'000;
   constexpr double kLayer = 0.3, kBorderReach = 4;
   Random random(seed_of(shape.name + "/places", seed));
   const Vec3 high = shape.frame.to_physical(shape.frame.size.cast<double>() - Vec3::Ones());
   std::vector<WallSample> places;
-  for (int t = 0; t < kMostTries && places.size() < kWanted; ++t) {
+  for (int t = 0; t < kMaxTries && places.size() < kWanted; ++t) {
     const Vec3 p = random.in_box(Vec3::Zero(), high);
     if (std::abs(shape.depth_mm(p)) > kLayer) continue;
     WallSample place;

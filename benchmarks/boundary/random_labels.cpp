@@ -12,7 +12,7 @@ namespace lumesh::boundary {
 
 namespace {
 
-constexpr int kMostLabels = 20;
+constexpr int kMaxLabels = 20;
 
 int between(Random& random, int low, int high) {
   return low + static_cast<int>(random.uniform() * (high - low + 1));
@@ -28,7 +28,7 @@ class Painter {
   Painter(LabelImage& image, Random random) : image_(image), random_(random) {
     const ImageFrame& f = image.frame();
     high_ = f.to_physical(f.size.cast<double>() - Vec3::Ones());
-    label_count_ = between(random_, 1, kMostLabels);
+    label_count_ = between(random_, 1, kMaxLabels);
   }
 
   void blobs() {
@@ -174,8 +174,8 @@ RandomLabels random_labels(std::uint64_t seed) {
     ImageFrame frame;
     for (int axis = 0; axis < 3; ++axis) frame.size[axis] = between(random, 24, 48);
     if (random.uniform() < 0.2) frame.spacing_mm.z() = 1.5;
-    std::vector<Label> values(kMostLabels + 1);
-    for (int label = 0; label <= kMostLabels; ++label) values[static_cast<std::size_t>(label)] = label;
+    std::vector<Label> values(kMaxLabels + 1);
+    for (int label = 0; label <= kMaxLabels; ++label) values[static_cast<std::size_t>(label)] = label;
     LabelImage image(frame, values);
     Painter painter(image, random);
     (painter.*kind.paint)();

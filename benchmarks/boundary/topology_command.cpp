@@ -178,7 +178,7 @@ void check_image(const RandomLabels& random, const RunOptions& options, Faults& 
 }
 
 void print_faults(std::uint64_t seed, const RandomLabels& random, const Faults& faults, Totals& totals) {
-  constexpr std::size_t kMostReasons = 3;
+  constexpr std::size_t kMaxReasons = 3;
   const Index3& size = random.image.frame().size;
   ++totals.images_of_kind[random.kind];
   for (const auto& [check, reasons] : faults.by_check()) {
@@ -186,9 +186,9 @@ void print_faults(std::uint64_t seed, const RandomLabels& random, const Faults& 
     ++totals.kinds_with[check][random.kind];
     if (!check.ends_with("topology")) totals.labels_with[check] += static_cast<int>(reasons.size());
     std::string text;
-    for (std::size_t r = 0; r < std::min(reasons.size(), kMostReasons); ++r)
+    for (std::size_t r = 0; r < std::min(reasons.size(), kMaxReasons); ++r)
       text += (r > 0 ? "; " : "") + reasons[r];
-    if (reasons.size() > kMostReasons) text += fmt::format("; and {} more", reasons.size() - kMostReasons);
+    if (reasons.size() > kMaxReasons) text += fmt::format("; and {} more", reasons.size() - kMaxReasons);
     fmt::print("seed {} ({}, {} x {} x {}, {} labels) {}: {}\n", seed, random.kind, size.x(), size.y(),
                size.z(), random.image.values().size() - 1, check, text);
   }

@@ -31,7 +31,7 @@ class Adapter {
         has_curved_patch_(std::any_of(shapes.begin(), shapes.end(), [](const operators::PatchShape& shape) {
           return shape.freedom == operators::PatchFreedom::kCurved;
         })) {
-    insertion_.min_length = options.least_length;
+    insertion_.min_length = options.min_length;
     execution_.stop_by([&context] { return context.cancelled(); });
   }
 

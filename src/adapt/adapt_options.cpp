@@ -14,7 +14,7 @@ void AdaptOptions::describe(OptionList& list) {
       .alias("cdff");
   list.number("collapse_below", collapse_below, between(0.1, 0.8), "Shorter edges are collapsed")
       .in("metric length");
-  list.number("least_length", least_length, between(0.1, 0.8),
+  list.number("least_length", min_length, between(0.1, 0.8),
               "Least distance of a new point to those around it")
       .in("metric length")
       .alias("cdfn");

@@ -51,12 +51,12 @@ class ImageCutter {
   /// The plane that a voxel lies farthest beyond.
   [[nodiscard]] std::optional<std::size_t> cut_at(const Index3& v) const {
     std::optional<std::size_t> farthest;
-    double most_mm = 0;
+    double max_mm = 0;
     for (std::size_t c = 0; c < planes_.size(); ++c) {
       const double beyond_mm = planes_[c].beyond_mm(centre_of(v));
-      if (beyond_mm <= most_mm) continue;
+      if (beyond_mm <= max_mm) continue;
       farthest = c;
-      most_mm = beyond_mm;
+      max_mm = beyond_mm;
     }
     return farthest;
   }

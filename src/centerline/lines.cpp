@@ -190,8 +190,8 @@ class LineMaker {
     const auto above = [&](const Vec3& p) { return (p - opening.point).dot(opening.normal); };
     while (tube.size() > 3 && above(tube.centres.back()) > -0.1 * lumen_.voxel_mm())
       tube.cut(0, tube.size() - 1);
-    constexpr double kLeastSlope = 0.2;  // 78 degrees: a line that is less steep says little of the place.
-    const Vec3 direction = along.dot(opening.normal) > kLeastSlope ? along : opening.normal;
+    constexpr double kMinSlope = 0.2;  // 78 degrees: a line that is less steep says little of the place.
+    const Vec3 direction = along.dot(opening.normal) > kMinSlope ? along : opening.normal;
     const double radius = tube.radii.back();
     const Vec3 last = tube.centres.back();
     tube.append(last - direction * (above(last) / direction.dot(opening.normal)), radius);

@@ -38,14 +38,14 @@ class NeededVertices {
 
  private:
   [[nodiscard]] bool is_of_rim(VertexId v) const {
-    constexpr double kMostEdge = 1.45;  // Of the spacing: eight around a circle.
+    constexpr double kMaxEdge = 1.45;  // Of the spacing: eight around a circle.
     const Domain& domain = spacing_.domain();
     if (v.value < 4 || mesh_.dimension(v) != VertexDimension::kCurve || domain.cut_planes().empty())
       return false;
     const MaterialSet curve = touched_by(v);
     if (!std::any_of(curve.begin(), curve.end(), [&](Material m) { return domain.is_cut(m); })) return false;
     const double wanted = spacing_.curve_spacing_at(mesh_.point(v), curve, spacing_.delta_mm());
-    return wanted < spacing_.delta_mm() && gap_without(v, curve) > kMostEdge * wanted;
+    return wanted < spacing_.delta_mm() && gap_without(v, curve) > kMaxEdge * wanted;
   }
   [[nodiscard]] MaterialSet touched_by(VertexId v) const {
     constexpr double kTouch = 1e-2;  // Of the resolution.

@@ -36,7 +36,7 @@ class PointCriterion final : public Sizing {
           option_name("adapt_const"), adapt_const_, kEndsByItself, floor_mm, option_name("size_floor"));
     }
     constexpr double kAtPoint = 1e-3;  // Of the bound: a vertex at the place of a point would ask for ever.
-    least_mm_ = std::max(floor_mm / adapt_const_, kAtPoint * options.bound_mm);
+    min_mm_ = std::max(floor_mm / adapt_const_, kAtPoint * options.bound_mm);
   }
 
   [[nodiscard]] double size_at(const Vec3& /*point_mm*/, Label /*label*/) const override { return kAnySize; }
@@ -71,7 +71,7 @@ class PointCriterion final : public Sizing {
                                     const std::array<double, 4>& distances) const {
     std::array<double, 4> diagonal;
     for (std::size_t i = 0; i < 4; ++i) {
-      const double distance = std::max(distances[i], least_mm_);
+      const double distance = std::max(distances[i], min_mm_);
       diagonal[i] = 1 / (distance * distance);
     }
     double longest = 0;
@@ -82,7 +82,7 @@ class PointCriterion final : public Sizing {
     return longest;
   }
 
-  double adapt_const_, least_mm_ = 0;
+  double adapt_const_, min_mm_ = 0;
   std::vector<Vec3> points_;
   metric::PointTree tree_;
   double quick_from_mm_;

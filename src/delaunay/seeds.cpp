@@ -47,9 +47,9 @@ class LatticeDescent {
     // Halved, it comes down to the edges of surfaces, and what grows from there is not cut finer than wanted.
     const double size_mm = spacing.size_mm(), edge_mm = kEdgePerSpacing * spacing.delta_mm();
     root_mm_ = kConstantPerSize * (spacing.is_constant() ? size_mm : std::min(size_mm, edge_mm));
-    const double least_mm =
+    const double min_mm =
         std::max(8 * domain_.resolution_mm(), std::min(size_mm / 2, box_.diagonal().norm()));
-    while (root_mm_ < least_mm) root_mm_ *= 2;
+    while (root_mm_ < min_mm) root_mm_ *= 2;
     // Off the grid of voxels, on which boundaries like to lie.
     origin_ = box_.min() - root_mm_ * Vec3(1.8143, 1.7571, 1.7877);
     for (int axis = 0; axis < 3; ++axis)

@@ -87,9 +87,9 @@ class StarParts {
       for (int f = 0; f < 4; ++f)
         if (const FaceLink behind = mesh_.link(t, f); !behind.is_boundary() && material_of(behind.tet()) != m)
           ++faces[material_of(behind.tet())];
-    const auto most_faces = std::max_element(
-        faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    return most_faces == faces.end() ? 0 : most_faces->first;
+    const auto max_faces = std::max_element(faces.begin(), faces.end(),
+                                            [](const auto& a, const auto& b) { return a.second < b.second; });
+    return max_faces == faces.end() ? 0 : max_faces->first;
   }
 
  private:

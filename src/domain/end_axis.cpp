@@ -97,7 +97,7 @@ std::optional<Vec3> end_axis(const Domain& domain, const EndSection& section, do
   constexpr double kAlike = 1.5;  // Areas from one section to the first.
   // Cosines between axis and normal; below the second the places of centres, which slide along the wall, say
   // less of a bend than of the voxels.
-  constexpr double kLeastCos = 0.2, kLeastCosForCurve = 0.55;
+  constexpr double kMinCos = 0.2, kMinCosForCurve = 0.55;
   const Vec3& normal = section.plane.normal;
   std::vector<double> depths;
   std::vector<Vec3> centres;
@@ -119,9 +119,9 @@ std::optional<Vec3> end_axis(const Domain& domain, const EndSection& section, do
   if (depths.size() < static_cast<std::size_t>(kLeast)) return std::nullopt;
   const auto way_of = [&](int degree) { return Vec3(-slope_at_plane(depths, centres, degree).normalized()); };
   Vec3 way = way_of(1);
-  if (depths.size() >= static_cast<std::size_t>(kForCurve) && way.dot(normal) > kLeastCosForCurve)
+  if (depths.size() >= static_cast<std::size_t>(kForCurve) && way.dot(normal) > kMinCosForCurve)
     way = way_of(2);
-  return way.dot(normal) < kLeastCos ? std::nullopt : std::optional<Vec3>(way);
+  return way.dot(normal) < kMinCos ? std::nullopt : std::optional<Vec3>(way);
 }
 
 }  // namespace lumesh

@@ -59,11 +59,11 @@ double length_wanted_mm(std::span<const NamedLength> lengths, const std::vector<
     named = length_mm;
   }
   const double length_mm = named ? *named : for_all.value_or(0);
-  constexpr double kMostRadii = 1000;
-  if (!(length_mm <= kMostRadii * radius_mm))
+  constexpr double kMaxRadii = 1000;
+  if (!(length_mm <= kMaxRadii * radius_mm))
     throw Error(ErrorKind::kBadInput,
                 fmt::format("{}: {} would go on by {:.3g} mm, more than {:g} times its radius",
-                            option_name("extend"), names.front(), length_mm, kMostRadii));
+                            option_name("extend"), names.front(), length_mm, kMaxRadii));
   return length_mm;
 }
 

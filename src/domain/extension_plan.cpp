@@ -162,18 +162,18 @@ class ExtensionPlanner {
       of_cut->circle_mm = tube.outer.radius_mm + kCutAir * voxel_mm_;
     }
     double length_mm = wanted_mm(group, radii_mm_[g]);
-    const double least_mm = least_length_mm(g);
-    if (length_mm > 0 && length_mm < least_mm) {
+    const double min_mm = min_length_mm(g);
+    if (length_mm > 0 && length_mm < min_mm) {
       note(g,
            fmt::format("is cut off obliquely, so that {:.3g} mm would end within the image; it has {:.3g} mm",
-                       length_mm, least_mm));
-      length_mm = least_mm;
+                       length_mm, min_mm));
+      length_mm = min_mm;
     }
     set_length(g, length_mm);
   }
 
   /// The end has to stand off the opening's plane.
-  [[nodiscard]] double least_length_mm(std::size_t g) const {
+  [[nodiscard]] double min_length_mm(std::size_t g) const {
     const EndSection& section = plan_.groups[g].section;
     const double cosine = plan_.tubes[g].section->direction.dot(section.plane.normal);
     return section.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine)) + voxel_mm_;
@@ -190,9 +190,9 @@ class ExtensionPlanner {
     const Opening& lumen = main_opening(group);
     tube.lumen.radius_mm = circle_radius(lumen.area_mm2 * cosine);
     // Half of the wall stays at the thinnest place.
-    const double most_mm = 0.5 * (tube.outer.radius_mm - tube.lumen.radius_mm);
+    const double max_mm = 0.5 * (tube.outer.radius_mm - tube.lumen.radius_mm);
     const Vec3 off = lumen.centre_mm - carried.centre_mm;
-    tube.lumen.centre_mm = carried.centre_mm + std::min(1.0, most_mm / std::max(off.norm(), 1e-300)) * off;
+    tube.lumen.centre_mm = carried.centre_mm + std::min(1.0, max_mm / std::max(off.norm(), 1e-300)) * off;
     for (Material m = 1; m < domain_.label_count(); ++m) {
       if (domain_.label_of(m) == wall.label) tube.wall_label = static_cast<VesselTube::LabelIndex>(m);
       if (domain_.label_of(m) == lumen.label) tube.lumen_label = static_cast<VesselTube::LabelIndex>(m);
@@ -252,7 +252,7 @@ class ExtensionPlanner {
       if (!hits[g]) continue;
       const double asked_mm = plan_.lengths_mm[g];
       double length_mm = std::min(asked_mm, hits[g]->along_mm - clearance_mm(g));
-      if (length_mm < std::max(least_length_mm(g), 2 * voxel_mm_)) length_mm = 0;
+      if (length_mm < std::max(min_length_mm(g), 2 * voxel_mm_)) length_mm = 0;
       note(g,
            fmt::format("is extended by {:.4g} mm, not {:.4g} mm: another vessel or extension is in the way "
                        "at {}; cut the vessel further inside with `cut_at`",

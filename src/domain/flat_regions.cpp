@@ -33,9 +33,9 @@ void add_triangles(const ClosedSurface& surface, const FeatureRegions& regions,
 std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegions& regions,
                                const std::vector<RegionShape>& shapes) {
   // A long thin tube lies near a plane, too, for its area; its normals do not look one way.
-  constexpr double kLeastEvenness = 0.9;
+  constexpr double kMinEvenness = 0.9;
   std::vector<bool> is_flat;
-  for (const RegionShape& own : shapes) is_flat.push_back(own.evenness > kLeastEvenness);
+  for (const RegionShape& own : shapes) is_flat.push_back(own.evenness > kMinEvenness);
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const std::uint32_t region = regions.of_triangle[t];
     if (surface.is_enclosed[t] != 0) is_flat[region] = false;
@@ -70,11 +70,10 @@ struct RegionRim {
 std::vector<std::uint32_t> regions_of_planes(const ClosedSurface& surface, const FeatureRegions& regions,
                                              const std::vector<RegionShape>& shapes,
                                              const std::vector<bool>& is_flat) {
-  constexpr double kLeastCosine = 0.99;
+  constexpr double kMinCosine = 0.99;
   const auto is_one_plane = [&](const RegionShape& a, const RegionShape& b) {
     const double max_mm = kMaxBent * circle_radius(std::max(a.area_mm2, b.area_mm2));
-    return a.normal.dot(b.normal) > kLeastCosine &&
-           std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) <= max_mm;
+    return a.normal.dot(b.normal) > kMinCosine && std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) <= max_mm;
   };
   DisjointSets planes(shapes.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)

@@ -101,8 +101,8 @@ void NamedRegions::name_regions() {
 /// Ends that are taken for wall because a few bent triangles belong to their patch, walls that are taken for
 /// ends by their name, and ends of one name.
 void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
-  constexpr double kLeastFlat = 0.5, kLeastBent = 0.3;  // Of the patch's area.
-  constexpr double kBentEvenness = 0.7;                 // Half a tube has 0.64, a bulging end more.
+  constexpr double kMinFlat = 0.5, kMinBent = 0.3;  // Of the patch's area.
+  constexpr double kBentEvenness = 0.7;             // Half a tube has 0.64, a bulging end more.
   struct Flat {
     std::uint32_t first_region = 0;
     double area_mm2 = 0, flat_mm2 = 0, bent_mm2 = 0;
@@ -119,13 +119,12 @@ void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
   }
   for (const auto& [number, flat] : patches) {
     const Patch& patch = of_region[flat.first_region];
-    if (patch.kind == PatchKind::kWall && !is_called_wall(patch) &&
-        flat.flat_mm2 >= kLeastFlat * flat.area_mm2)
+    if (patch.kind == PatchKind::kWall && !is_called_wall(patch) && flat.flat_mm2 >= kMinFlat * flat.area_mm2)
       notes.push_back(fmt::format(
           "patch \"{}\" is flat in {:.0f} % of its area, at {}, but is taken as wall, as other "
           "triangles of it are not in that plane; leave these to the wall's patch to make it an opening",
           patch.name, 100 * flat.flat_mm2 / flat.area_mm2, fmt::join(flat.places, " and ")));
-    if (patch.kind == PatchKind::kOpening && flat.bent_mm2 >= kLeastBent * flat.area_mm2)
+    if (patch.kind == PatchKind::kOpening && flat.bent_mm2 >= kMinBent * flat.area_mm2)
       notes.push_back(
           fmt::format("patch \"{}\" is taken as an opening, all of it, though {:.0f} % of its area are bent "
                       "as a wall is; give these triangles to a patch of the wall",

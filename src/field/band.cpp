@@ -16,7 +16,7 @@ namespace {
 using Squares = std::int16_t __attribute__((vector_size(32)));
 constexpr int kUnit = 36;  // squared distance 1
 constexpr std::int16_t kFar = 20000;
-constexpr int kMostSquare = static_cast<int>(Band::kReach * Band::kReach) * kUnit;
+constexpr int kMaxSquare = static_cast<int>(Band::kReach * Band::kReach) * kUnit;
 constexpr double kLongestEdge =
     1.5;  // longer voxel edges count as this: the stencils need two voxels on each side
 
@@ -208,7 +208,7 @@ class BandBuilder {
     const LabelIndex label = image_.at(source);
     const int own_side = pair_.side_of(label);
     const int nearest = own_side > 0 ? to_minus : own_side < 0 ? to_plus : std::min(to_minus, to_plus);
-    if (nearest > kMostSquare) return;
+    if (nearest > kMaxSquare) return;
     const int side = own_side == 0 && label == 0 ? side_of_background(to_minus, to_plus) : own_side;
     const auto bit = [&](bool set) { return static_cast<std::uint8_t>(static_cast<unsigned>(set) << lane); };
     facts.alive = static_cast<std::uint8_t>(facts.alive | bit(true));

@@ -11,12 +11,12 @@ namespace {
 // Voxels from the border: targets are whole up to there, and none from there on.
 constexpr int kWhole = 3, kFaded = 20;
 constexpr int kNearest = 4, kFarthest = 10;  // means are taken of voxels from here to before there
-constexpr float kMostTaken = 0.8F;           // of a mean: all of it overshoots by the noise that it has
+constexpr float kMaxTaken = 0.8F;            // of a mean: all of it overshoots by the noise that it has
 // Voxels: of vessels of this radius half as much is taken. Thin ones turn within a few voxels, and their
 // means overshoot by more.
 constexpr float kThinRadius = 2.5F;
 constexpr int kWindowLevels = 1 + static_cast<int>(Multilevel::Window::kFar);
-constexpr float kLeastCount = 1e-6F;
+constexpr float kMinCount = 1e-6F;
 
 /// Faces of the image that cut the object nearby, a bit for each, and how far voxels are from these. Kept for
 /// cubes of voxels.
@@ -103,7 +103,7 @@ BorderDerivatives::BorderDerivatives(const Band& band, DifferenceTargets& target
       const int depth = cuts.depth(band.voxel(s * kLanes + lane));
       const float share =
           std::clamp(static_cast<float>(kFaded - depth) / static_cast<float>(kFaded - kWhole), 0.0F, 1.0F);
-      fade_.at(n)[lane] = kMostTaken * share * share * (3 - 2 * share);
+      fade_.at(n)[lane] = kMaxTaken * share * share * (3 - 2 * share);
       counted_.at(n)[lane] = depth >= kNearest && depth < kFarthest ? 1.0F : 0.0F;
     }
   }
@@ -125,7 +125,7 @@ void BorderDerivatives::update(const LaneArray& values, Energy& energy) {
       const Lanes thin = 0.5F * kThinRadius * load(laplacian_.at(n)) / (count + 1e-20F);
       const Lanes fourth = thin * thin * thin * thin;
       const Lanes taken = load(fade_.at(n)) / ((1.0F + fourth * fourth) * (count + 1e-20F));
-      store(share.at(n), keep(taken, count > Lanes{} + kLeastCount));
+      store(share.at(n), keep(taken, count > Lanes{} + kMinCount));
     }
   });
   for (LaneArray& rows : energy.targets.rows) {

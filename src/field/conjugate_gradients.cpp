@@ -161,7 +161,7 @@ void ConjugateGradients::minimise(double tolerance, FitState& state) {
   const double enough =
       tolerance * tolerance * static_cast<double>(std::max<std::size_t>(1, band.face_count()));
   float beta = 0;
-  for (int count = 0; count < kMostIterations && error > enough; ++count) {
+  for (int count = 0; count < kMaxIterations && error > enough; ++count) {
     for_each_segment_block(band.end(), [&](int begin, int end) {
       direction_block(state.levels.finest(), residual_, inverse_diagonal_, state.hold, beta, begin, end,
                       direction_, product_);

@@ -13,9 +13,9 @@ class ConjugateGradients {
   void take_stiffness(const FitState& state);
 
   /// Iterates until the energy norm of the estimated error per face is below the tolerance, or
-  /// kMostIterations times.
+  /// kMaxIterations times.
   void minimise(double tolerance, FitState& state);
-  static constexpr int kMostIterations = 80;
+  static constexpr int kMaxIterations = 80;
 
  private:
   void set_diagonals(FitState& state);

@@ -10,8 +10,8 @@ namespace lumesh::field {
 
 namespace {
 
-constexpr float kMostError = 0.5F;    // of the function at a crossing, as it counts in the variance
-constexpr double kLeastError = 0.02;  // standard deviation that interpolation along an edge leaves at least
+constexpr float kMaxError = 0.5F;   // of the function at a crossing, as it counts in the variance
+constexpr double kMinError = 0.02;  // standard deviation that interpolation along an edge leaves at least
 
 struct AtCrossings {
   Lanes value;   // at the crossing
@@ -43,9 +43,9 @@ template <int axis>
   const AtCrossings f = at_crossings<axis>(u, t);
   store(middles, keep(f.middle - f.value, known));
   Lanes error = keep(f.value, known);
-  error = error > Lanes{} + kMostError   ? Lanes{} + kMostError
-          : error < Lanes{} - kMostError ? Lanes{} - kMostError
-                                         : error;
+  error = error > Lanes{} + kMaxError   ? Lanes{} + kMaxError
+          : error < Lanes{} - kMaxError ? Lanes{} - kMaxError
+                                        : error;
   squares += error * error;
   count += keep(Lanes{} + 1.0F, known);
 }
@@ -112,7 +112,7 @@ void place_crossings(FitState& state) {
   state.energy.faces.middles.resize(static_cast<std::size_t>(state.band.entry_count()) * kLanes, 0.0F);
   const Errors errors = place_all(state);
   if (errors.count == 0) return;
-  weigh_crossings(std::max(errors.squares / errors.count, kLeastError * kLeastError), state);
+  weigh_crossings(std::max(errors.squares / errors.count, kMinError * kMinError), state);
 }
 
 }  // namespace lumesh::field

@@ -26,12 +26,12 @@ constexpr int kWeighings = 3;  // solves before which normals are taken anew
 constexpr int kSoftenings = 6;
 constexpr int kHardRounds = 8;
 constexpr double kWrongShare = 2e-5;  // of the hard sides; fewer are left to keep_sides()
-constexpr double kLeastHardShare = 0.02;
+constexpr double kMinHardShare = 0.02;
 constexpr int kStartMeans = 4;      // of the start: a standard deviation of 1.4 voxels, …
 constexpr float kKeptThin = 0.03F;  // … and what thin parts and saddles keep at the end
 constexpr float kKeptSaddle = 0.05F;
 constexpr float kKeptExact = 0.001F;
-constexpr float kMostPutRight = 0.2F;  // voxels that are wrong by more are noise
+constexpr float kMaxPutRight = 0.2F;  // voxels that are wrong by more are noise
 
 /// Copies the start and makes it NaN outside the band.
 LaneArray start_of(const Band& band) {
@@ -106,7 +106,7 @@ class Fit {
     }
     std::size_t count = 0;
     for (const std::uint8_t bits : hard) count += static_cast<std::size_t>(std::popcount(bits));
-    if (static_cast<double>(count) <= kLeastHardShare * static_cast<double>(band.voxel_count())) return;
+    if (static_cast<double>(count) <= kMinHardShare * static_cast<double>(band.voxel_count())) return;
     HardSides sides(state_, std::move(hard));
     const double enough = kWrongShare * static_cast<double>(count);
     for (int round = 0; round < kHardRounds; ++round) {
@@ -133,7 +133,7 @@ class Fit {
     const bool plus = Band::has(state_.band.plus(voxel / kLanes), voxel % kLanes);
     float& value = state_.values.data()[voxel];
     const float kept = plus ? value : -value;
-    const float far = least_far_from(voxel);
+    const float far = min_far_from(voxel);
     if (kept >= std::max(kKeptThin, far)) return;
     if (far >= kKeptThin && !is_outlier(voxel)) {
       value = plus ? far : -far;
@@ -144,7 +144,7 @@ class Fit {
     const auto thin = static_cast<std::uint8_t>(state_.thin[at] | stiffness_.around_thin_parts()[at]);
     if (Band::has(thin, voxel % kLanes) && !is_outlier(voxel)) least = kKeptThin;
     if (fidelity_ == BoundaryFidelity::kExact) least = std::max(least, kKeptExact);
-    if (least <= 0 && kept > -kMostPutRight && !is_outlier(voxel) &&
+    if (least <= 0 && kept > -kMaxPutRight && !is_outlier(voxel) &&
         role_of(state_.band.image(), state_.band.voxel(voxel)) == VoxelRole::kNeeded)
       least = kKeptThin;
     value = plus ? least : -least;
@@ -154,7 +154,7 @@ class Fit {
   /// other side exceeds one and a half of the longest edge by. On planes it is more. Where the function says
   /// less, as beyond the corners of thin plates, only its free derivatives do. Nothing where the longest edge
   /// is more than 2.3 times the shortest: distances count edges as 1.5 at most.
-  [[nodiscard]] float least_far_from(Lane voxel) const {
+  [[nodiscard]] float min_far_from(Lane voxel) const {
     const float to_other = std::abs(state_.band.start().data()[voxel]) + 0.5F;
     return 0.5F * (to_other - 1.5F * longest_edge_);
   }

@@ -110,7 +110,7 @@ LabelField::BlockRef LabelField::find_block(const Brick& brick, LabelIndex first
   return {};
 }
 
-LabelField::BlockRef LabelField::least_block(const Place& place, LabelIndex label) const {
+LabelField::BlockRef LabelField::min_block(const Place& place, LabelIndex label) const {
   const Brick& brick = *place.brick;
   BlockRef least;
   double value = 0;
@@ -135,7 +135,7 @@ FieldSample LabelField::sample(const Vec3& index, LabelIndex label) const {
   if (place.brick == nullptr) return {place.uniform == label ? kFieldLimit : -kFieldLimit, Vec3::Zero()};
   const auto labels = labels_of(*place.brick);
   if (!std::binary_search(labels.begin(), labels.end(), label)) return {-kFieldLimit, Vec3::Zero()};
-  const BlockRef ref = least_block(place, label);
+  const BlockRef ref = min_block(place, label);
   return ref.sign == 0 ? FieldSample{kFieldLimit, Vec3::Zero()} : block_sample(ref, place);
 }
 
@@ -146,7 +146,7 @@ double LabelField::beyond_blocks(const Place& place, LabelIndex first, LabelInde
   }
   const auto depth = [&](LabelIndex label) {
     if (place.brick == nullptr) return place.uniform == label ? kFieldLimit : -kFieldLimit;
-    const BlockRef ref = least_block(place, label);
+    const BlockRef ref = min_block(place, label);
     return ref.sign == 0 ? -kFieldLimit : block_value(ref, place.local);
   };
   // Labels that do not touch here have no boundary near.
@@ -208,11 +208,11 @@ void LabelField::for_each_corner(const Place& place, int reach, const Visit& vis
 /// Labels besides the background at the corners of the cell between voxels' centres; where there are none, of
 /// the voxels around, as far as the brick knows them.
 std::size_t LabelField::candidates_at(const Place& place,
-                                      std::array<LabelIndex, kMostCandidates>& found) const {
+                                      std::array<LabelIndex, kMaxCandidates>& found) const {
   std::size_t count = 0;
   for (int reach = 0; reach < 3 && count == 0; ++reach)
     for_each_corner(place, reach, [&](LabelIndex label, const Index3& /*corner*/) {
-      if (label == 0 || count == kMostCandidates) return;
+      if (label == 0 || count == kMaxCandidates) return;
       const auto end = found.begin() + static_cast<std::ptrdiff_t>(count);
       if (std::find(found.begin(), end, label) == end) found[count++] = label;
     });
@@ -222,18 +222,18 @@ std::size_t LabelField::candidates_at(const Place& place,
 bool LabelField::is_nearer(const Place& place, LabelIndex label, LabelIndex than) const {
   if (place.brick == nullptr || !place.brick->has_corners) return label < than;
   constexpr int kReach = 2;  // As far as candidates come from.
-  double least = 1e300, least_other = 1e300;
+  double least = 1e300, min_other = 1e300;
   for_each_corner(place, kReach, [&](LabelIndex at, const Index3& corner) {
     if (at != label && at != than) return;
     const double square = (place.local - corner.cast<double>()).cwiseProduct(edges_).squaredNorm();
-    double& nearest = at == label ? least : least_other;
+    double& nearest = at == label ? least : min_other;
     nearest = std::min(nearest, square);
   });
-  return least < least_other || (least == least_other && label < than);
+  return least < min_other || (least == min_other && label < than);
 }
 
 LabelField::LabelIndex LabelField::inner_winner(const Place& place) const {
-  std::array<LabelIndex, kMostCandidates> candidates;
+  std::array<LabelIndex, kMaxCandidates> candidates;
   const std::size_t count = candidates_at(place, candidates);
   if (count == 0) return labels_of(*place.brick).back();
   const std::span<const LabelIndex> labels(candidates.data(), count);
@@ -274,7 +274,7 @@ LabelField::Winner LabelField::winner(const Vec3& index) const {
   const Place place = locate(index);
   if (place.brick == nullptr) return {place.uniform, kFieldLimit};
   Winner best{label_in(place), kFieldLimit};
-  const BlockRef ref = least_block(place, best.label);
+  const BlockRef ref = min_block(place, best.label);
   if (ref.sign == 0) return best;
   const FieldSample s = block_sample(ref, place);
   // Outside a tube the slope grows with the distance, inside it falls below one: either way this is not too

@@ -8,10 +8,10 @@ namespace lumesh::field {
 
 namespace {
 
-constexpr float kLeastSlope = 0.6F;   // of the distance, which has slope 1 but on its medial axis
-constexpr float kLeastDistance = 1;   // from the wall: nearer ones are the voxels' stairs
-constexpr float kLeastAround = 0.5F;  // the same of the voxels around
-constexpr int kReach = 2;             // of these
+constexpr float kMinSlope = 0.6F;   // of the distance, which has slope 1 but on its medial axis
+constexpr float kMinDistance = 1;   // from the wall: nearer ones are the voxels' stairs
+constexpr float kMinAround = 0.5F;  // the same of the voxels around
+constexpr int kReach = 2;           // of these
 
 /// Signed distances within the image, NaN elsewhere.
 LUMESH_WIDE_LOOPS void set_distances(const Band& band, int begin, int end, LaneArray& distances) {
@@ -38,9 +38,9 @@ LUMESH_WIDE_LOOPS void mark_medial_axis(const Band& band, const LaneArray& dista
       square +=
           squared_slope(row_along(band, distances, s, axis), static_cast<float>(1 / band.edges()[axis]));
     const LaneMask is_medial =
-        (load(distances.at(s)) <= Lanes{} - kLeastDistance) & (square < Lanes{} + kLeastSlope * kLeastSlope);
+        (load(distances.at(s)) <= Lanes{} - kMinDistance) & (square < Lanes{} + kMinSlope * kMinSlope);
     const LaneMask is_ghost = mask_of(static_cast<std::uint8_t>(band.alive(s) & ~band.in_image(s))) &
-                              (load(band.start().at(s)) <= Lanes{} - kLeastDistance);
+                              (load(band.start().at(s)) <= Lanes{} - kMinDistance);
     store(marks.at(s), keep(Lanes{} + 1.0F, is_medial | is_ghost));
   }
 }
@@ -74,7 +74,7 @@ std::vector<std::uint8_t> around_medial_axis(const Band& band) {
   for_blocks([&](int begin, int end) {
     for (int s = begin; s < end; ++s)
       for (unsigned lane = 0; lane < kLanes; ++lane)
-        if (marks.at(s)[lane] > 0 && band.start().at(s)[lane] <= -kLeastAround)
+        if (marks.at(s)[lane] > 0 && band.start().at(s)[lane] <= -kMinAround)
           around[static_cast<std::size_t>(s)] |= static_cast<std::uint8_t>(1U << lane);
   });
   return around;

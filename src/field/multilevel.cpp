@@ -12,7 +12,7 @@ namespace {
 
 /// Splines of which the band holds less of the mass than this are left out: at its rim their energy is far
 /// from in proportion to it. Without this a solve takes twice the iterations.
-constexpr float kLeastShare = 0.003F;
+constexpr float kMinShare = 0.003F;
 
 /// Nodes of a coarse grid whose splines reach a fine node.
 struct NodeRange {
@@ -232,7 +232,7 @@ void Multilevel::set_energy(const LaneArray& stiffness, const LaneArray& mass, d
         const Lanes weight = energy * share + static_cast<float>(kMass) * load(level.residual.at(s));
         store(level.inverse.at(s),
               keep(1.0F / (weight + 1e-12F),
-                   share > Lanes{} + kLeastShare * static_cast<float>(std::pow(spacing, 3))));
+                   share > Lanes{} + kMinShare * static_cast<float>(std::pow(spacing, 3))));
       }
     });
   }

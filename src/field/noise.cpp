@@ -15,12 +15,12 @@ namespace lumesh::field {
 namespace {
 
 constexpr int kSlices = 32;
-constexpr std::size_t kMostPairs = 100000;
-constexpr double kMostAlone = 0.25;  // Of the object's voxels.
-constexpr double kMostWork = 1e6;    // Voxels alone times pairs.
-constexpr double kLeastPairs = 4;    // What a voxel costs besides, in pairs.
-constexpr double kNearlyAll = 0.9;   // Of the object's voxels; where so many are alone, …
-constexpr double kManyAlone = 1e4;   // … these are enough.
+constexpr std::size_t kMaxPairs = 100000;
+constexpr double kMaxAlone = 0.25;  // Of the object's voxels.
+constexpr double kMaxWork = 1e6;    // Voxels alone times pairs.
+constexpr double kMinPairs = 4;     // What a voxel costs besides, in pairs.
+constexpr double kNearlyAll = 0.9;  // Of the object's voxels; where so many are alone, …
+constexpr double kManyAlone = 1e4;  // … these are enough.
 
 constexpr const char* kRemedy =
     "this is no segmentation but a grey image or noise; choose labels or a threshold";
@@ -34,7 +34,7 @@ struct Tally {
 Tally add(Tally all, const Tally& more) {
   all.object += more.object;
   all.alone += more.alone;
-  if (all.pairs.size() > kMostPairs) return all;  // They are refused.
+  if (all.pairs.size() > kMaxPairs) return all;  // They are refused.
   all.pairs.insert(all.pairs.end(), more.pairs.begin(), more.pairs.end());
   sort_unique(all.pairs);
   return all;
@@ -48,7 +48,7 @@ class SliceScan {
   [[nodiscard]] Tally look_at(std::size_t k) const {
     Tally tally;
     std::size_t unique = 0;
-    for (std::size_t j = 0; j < size_.y() && unique <= kMostPairs; ++j) {
+    for (std::size_t j = 0; j < size_.y() && unique <= kMaxPairs; ++j) {
       for (std::size_t i = 0; i < size_.x(); ++i) look_at_voxel(i, j, k, tally);
       if (tally.pairs.size() < 2 * unique + 4096) continue;
       sort_unique(tally.pairs);
@@ -91,9 +91,9 @@ class SliceScan {
 }  // namespace
 
 void refuse_pairs(std::size_t pairs) {
-  if (pairs > kMostPairs)
+  if (pairs > kMaxPairs)
     throw Error(ErrorKind::kBadInput,
-                fmt::format("more than {} pairs of labels touch: {}", kMostPairs, kRemedy));
+                fmt::format("more than {} pairs of labels touch: {}", kMaxPairs, kRemedy));
 }
 
 void refuse_noise(const LabelImage& image) {
@@ -107,9 +107,9 @@ void refuse_noise(const LabelImage& image) {
   refuse_pairs(tally.pairs.size());
   const auto alone = static_cast<double>(tally.alone), object = static_cast<double>(tally.object);
   const auto pairs = static_cast<double>(tally.pairs.size());
-  const double work = alone * static_cast<double>(step) * (pairs + kLeastPairs);
+  const double work = alone * static_cast<double>(step) * (pairs + kMinPairs);
   const bool is_dust = alone > kNearlyAll * object && alone * static_cast<double>(step) > kManyAlone;
-  if (!is_dust && (alone <= kMostAlone * object || work <= kMostWork)) return;
+  if (!is_dust && (alone <= kMaxAlone * object || work <= kMaxWork)) return;
   throw Error(ErrorKind::kBadInput,
               fmt::format("{:.0f} % of the voxels touch no other voxel of their label: {}",
                           100 * alone / object, kRemedy));

@@ -18,14 +18,14 @@ using Window = Multilevel::Window;
 
 constexpr float kTooStiff =
     0.002F;  // mean violation, voxels: a surface that is off by e violates e^2/2 in the mean
-constexpr float kMostCounted = 0.15F;  // violations count up to here, so that single voxels count little
-constexpr float kStep = 3;             // a step divides the stiffness by 2^3
+constexpr float kMaxCounted = 0.15F;  // violations count up to here, so that single voxels count little
+constexpr float kStep = 3;            // a step divides the stiffness by 2^3
 const float kLeast = std::log2(0.02F / static_cast<float>(kThird));
 constexpr float kMedialStiffness = -12;  // to base 2, between two walls
 constexpr int kBorderReach = 4;          // voxels from the image's border, near which fits are extrapolated
 const float kLogHold = std::log2(kHold);
 constexpr float kGain = 0.5F;  // to what share the violation has to fall for a step to have paid
-constexpr float kLeastNoise = 0.001F, kMostNoise = 0.03F;  // mean violations that may be noise
+constexpr float kMinNoise = 0.001F, kMaxNoise = 0.03F;  // mean violations that may be noise
 constexpr float kBeyondNoise = 0.0375F;  // what has been taken for noise and comes to violate more is none
 constexpr float kTurning = 0.05F;    // least eigenvalue of the mean of n n^T at ends and corners; 0 on tubes
 constexpr float kThinShare = 0.05F;  // windows with more thin voxels than this are not judged
@@ -122,7 +122,7 @@ struct StiffnessLoops {
       const auto bits = static_cast<std::uint8_t>(band.in_image(s) & band.sided(s) & ~state.outlier[at]);
       const Lanes v = keep(positive(keep_numbers(violation(state, s))), mask_of(bits));
       store(wrong.at(s), v);
-      const Lanes size = keep(least(v, kMostCounted), mask_of(band.boundary(s)));
+      const Lanes size = keep(least(v, kMaxCounted), mask_of(band.boundary(s)));
       const auto unsigned_too = static_cast<std::uint8_t>(band.plus(s) | turning[at] | thin[at]);
       store(counted.at(s), mask_of(unsigned_too) ? size : -size);
     }
@@ -143,7 +143,7 @@ struct StiffnessLoops {
       const Lanes now = load(now_sums.at(s)), before = load(before_sums.at(s)),
                   boundary = load(boundary_sums.at(s));
       const LaneMask noisy = (now > kGain * before) & (boundary > Lanes{} + kTiny) &
-                             (now > kLeastNoise * boundary) & (now < kMostNoise * boundary);
+                             (now > kMinNoise * boundary) & (now < kMaxNoise * boundary);
       taken[at] = static_cast<std::uint8_t>(bits_of(noisy) & a.softened_[at] & ~a.thin_around_[at] &
                                             ~a.turning_[at] & ~a.beyond_noise_[at]);
       a.locked_[at] = static_cast<std::uint8_t>(a.locked_[at] | taken[at]);
@@ -172,7 +172,7 @@ struct StiffnessLoops {
   static LUMESH_WIDE_LOOPS void sizes(const Band& band, const LaneArray& wrong, int begin, int end,
                                       LaneArray& out) {
     for (int s = begin; s < end; ++s)
-      store(out.at(s), keep(least(load(wrong.at(s)), kMostCounted), mask_of(band.boundary(s))));
+      store(out.at(s), keep(least(load(wrong.at(s)), kMaxCounted), mask_of(band.boundary(s))));
   }
   /// Voxels where the function has a crease: the square of its third derivatives, each of the tensor, is
   /// large. squares: what that of each kind counts.

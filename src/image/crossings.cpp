@@ -15,13 +15,13 @@ namespace lumesh {
 namespace {
 
 constexpr std::size_t kRowsPerBlock = 256;
-constexpr std::size_t kMostLabelValues = 16;
+constexpr std::size_t kMaxLabelValues = 16;
 /// Crossings keep this much of an edge off the voxels' centres, so that each keeps its side.
-constexpr double kLeastFraction = 1.0 / 64;
+constexpr double kMinFraction = 1.0 / 64;
 
 /// A few different values, ascending; `more` once there are too many for labels.
 struct FewValues {
-  std::array<double, kMostLabelValues> values = {};
+  std::array<double, kMaxLabelValues> values = {};
   std::size_t count = 0;
   bool fractional = false, more = false;
 
@@ -31,7 +31,7 @@ struct FewValues {
     double* const at = std::lower_bound(values.data(), end, value);
     if (at != end && *at == value) return;
     fractional |= std::trunc(value) != value;
-    more = count == kMostLabelValues || (fractional && count >= 2);
+    more = count == kMaxLabelValues || (fractional && count >= 2);
     if (more) return;
     std::move_backward(at, end, end + 1);
     *at = value;
@@ -87,8 +87,7 @@ class CrossingScan {
     const double fraction = interpolation_ == Interpolation::kLinear
                                 ? (level - first) / (second - first)
                                 : root_of(first - level, second - level, bend(voxel, step, axis));
-    out.push_back(
-        {voxel, static_cast<float>(std::clamp(fraction, kLeastFraction, 1 - kLeastFraction)), axis});
+    out.push_back({voxel, static_cast<float>(std::clamp(fraction, kMinFraction, 1 - kMinFraction)), axis});
   }
 
   /// The second difference at a voxel; 0 at the image's border.

@@ -83,11 +83,11 @@ std::set<Pair> touching_pairs(const VesselChunks& chunks) {
 
 /// The first chunk that a place has beside it, through faces or also edges, and that is_wanted(chunk).
 template <class IsWanted>
-std::uint32_t chunk_beside(const VesselChunks& chunks, const Index3& place, int most_squared,
+std::uint32_t chunk_beside(const VesselChunks& chunks, const Index3& place, int max_squared,
                            const IsWanted& is_wanted) {
   std::uint32_t found = kNoChunk;
   for_each_around(place, 1, [&](const Index3& near) {
-    if (found != kNoChunk || (near - place).squaredNorm() > most_squared || !chunks.contains(near)) return;
+    if (found != kNoChunk || (near - place).squaredNorm() > max_squared || !chunks.contains(near)) return;
     const std::uint32_t chunk = chunks.chunk_of(chunks.offset(near));
     if (chunk != kNoChunk && is_wanted(chunk)) found = chunk;
   });
@@ -250,8 +250,8 @@ void join(const VesselChunks& chunks, const std::vector<ContactElement>& element
       if (!chunks.contains(place) || chunks.chunk_of(chunks.offset(place)) != kNoChunk) return;
       bool has_first = false, has_second = false;
       for_each_around(place, 2, [&](const Index3& near) {
-        constexpr int kMostSquared = 5;
-        if (!chunks.contains(near) || (near - place).squaredNorm() > kMostSquared) return;
+        constexpr int kMaxSquared = 5;
+        if (!chunks.contains(near) || (near - place).squaredNorm() > kMaxSquared) return;
         has_first |= chunks.chunk_of(chunks.offset(near)) == e.first;
         has_second |= chunks.chunk_of(chunks.offset(near)) == e.second;
       });
@@ -274,10 +274,10 @@ void drop_specks(const std::set<std::size_t>& cut, LabelImage& image, VoxelsChan
 }  // namespace
 
 VoxelsChanged change_touching(TouchChoice choice, LabelImage& image) {
-  constexpr int kMostRounds = 4;  // The second one finds what bumps hid in the first.
+  constexpr int kMaxRounds = 4;  // The second one finds what bumps hid in the first.
   VoxelsChanged changed;
   std::set<std::size_t> cut;
-  for (int round = 0; choice != TouchChoice::kKeep && round < kMostRounds; ++round) {
+  for (int round = 0; choice != TouchChoice::kKeep && round < kMaxRounds; ++round) {
     const VesselChunks chunks(image);
     const std::vector<ContactElement> elements = contacts_of(chunks, touching_pairs(chunks));
     std::set<std::size_t> found;

@@ -19,7 +19,7 @@ namespace lumesh::image {
 
 namespace {
 
-constexpr double kMostHalfWidth = 12;  // Smallest voxel edges; thicker parts count as this thick.
+constexpr double kMaxHalfWidth = 12;  // Smallest voxel edges; thicker parts count as this thick.
 // A ball covers its vessel, and not the axis of the next.
 constexpr double kBallInHalfWidths = 1.3, kCoreInHalfWidths = 0.75, kWallShare = 0.8;
 constexpr double kNeckShare = 0.75;
@@ -28,9 +28,9 @@ constexpr float kThinVessel = 3.5F;  // Of such, voxels do not tell a neck from 
 constexpr double kNeckShareOfThin = 0.95;
 constexpr float kWider = 1.25;  // So much wider a way around tells that chunks of one vessel meet.
 constexpr double kBumpShare = 0.6, kBumpReach = 1.6, kBumpSaddle = 0.9;
-constexpr float kLeastVessel = 1.8F;  // Half width of what is followed as a vessel of its own: three voxels.
+constexpr float kMinVessel = 1.8F;  // Half width of what is followed as a vessel of its own: three voxels.
 constexpr double kReachInHalfWidths = 4;  // How far around a neck vessels are followed.
-constexpr double kLeastTurn = -0.1;  // Cosine between the two directions of a vessel, seen from its wall.
+constexpr double kMinTurn = -0.1;  // Cosine between the two directions of a vessel, seen from its wall.
 
 constexpr double kOpposite = -0.5;  // The same, seen from its axis.
 constexpr double kTiny = 1e-9;
@@ -85,7 +85,7 @@ void VesselChunks::find_distances(const LabelImage& image) {
   parallel::for_each_index(all.voxels().size(), 1 << 16,
                            [&](std::size_t v) { all.voxels()[v] = image.voxels()[v] != 0 ? 1 : 0; });
   const double edge_mm = image.frame().spacing_mm.minCoeff();
-  DistanceField field = distance_to_label_change(all, low_, low_ + size_, kMostHalfWidth * edge_mm);
+  DistanceField field = distance_to_label_change(all, low_, low_ + size_, kMaxHalfWidth * edge_mm);
   distance_ = std::move(field.distance_mm);
   parallel::for_each_index(distance_.size(), 1 << 14, [&](std::size_t v) {
     const bool is_object = all.at(low_ + place_of(v)) != 0;
@@ -181,7 +181,7 @@ bool VesselChunks::is_in_line(std::uint32_t chunk) const {
   constexpr float kWide = 0.7F;
   constexpr double kInLine = -0.7;
   const float width = chunks_[chunk].half_width;
-  if (width < kLeastVessel) return false;
+  if (width < kMinVessel) return false;
   std::vector<Vec3> ways;
   for (const std::uint32_t next : chunks_[chunk].beside) {
     const float other = chunks_[next].half_width;
@@ -349,13 +349,13 @@ bool VesselChunks::goes_on_from_wall(const std::vector<std::uint32_t>& side, con
     if (i > 0) add(chunk.seed.cast<double>());  // The first one is where the place is.
     if (chunk.border_count > 0) add(chunk.border_sum / static_cast<double>(chunk.border_count));
   }
-  return has_opposites(ways, kLeastTurn);
+  return has_opposites(ways, kMinTurn);
 }
 
 /// A vessel that bends away from the other turns both its ends to one side of its wall: seen from as deep as
 /// it is thick, what is as thick beside it goes on across the way that leads there.
 bool VesselChunks::goes_on_from_axis(const std::vector<std::uint32_t>& side, const Vec3& place) const {
-  constexpr double kLeastWay = 0.2, kNear = 2.5, kAcross = 0.7;
+  constexpr double kMinWay = 0.2, kNear = 2.5, kAcross = 0.7;
   const Chunk& own = chunks_[side.front()];
   const auto half_width = static_cast<double>(own.half_width);
   const Vec3 inwards = (own.seed.cast<double>() - place).cwiseProduct(edges_);
@@ -363,7 +363,7 @@ bool VesselChunks::goes_on_from_axis(const std::vector<std::uint32_t>& side, con
   std::vector<Vec3> ways;
   const auto add = [&](const Vec3& at) {
     const Vec3 way = (at - place).cwiseProduct(edges_) - to_axis;
-    if (way.norm() >= kLeastWay * half_width && way.norm() <= kNear * half_width &&
+    if (way.norm() >= kMinWay * half_width && way.norm() <= kNear * half_width &&
         std::abs(way.normalized().dot(to_axis.normalized())) <= kAcross)
       ways.push_back(way.normalized());
   };

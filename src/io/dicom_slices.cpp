@@ -14,8 +14,8 @@ namespace {
 constexpr double kSameDirection = 1e-3;  // Of unit vectors.
 constexpr double kSameSize = 1e-3;       // Relative.
 constexpr double kEven = 0.02, kRoundedMm = 0.02,
-                 kMostRounded = 0.2;  // Of the spacing, and what files round places to.
-constexpr double kMostTilted = 0.01;  // Sideways, of the way along the normal: 0.6 degrees.
+                 kMaxRounded = 0.2;  // Of the spacing, and what files round places to.
+constexpr double kMaxTilted = 0.01;  // Sideways, of the way along the normal: 0.6 degrees.
 
 void check_alike(const std::filesystem::path& path, const DicomSlice& first, const DicomSlice& other) {
   if ((first.along_row - other.along_row).norm() > kSameDirection ||
@@ -48,14 +48,14 @@ void check_slices(const std::filesystem::path& path, std::vector<DicomSlice> sli
              "several slices lie in one place, such as {} and {}: this is no volume, or one at several times",
              slices[0].file, slices[1].file));
   for (std::size_t i = 0; i < gaps.size(); ++i)
-    if (std::abs(gaps[i] - usual) > std::max(kEven * usual, std::min(kRoundedMm, kMostRounded * usual)))
+    if (std::abs(gaps[i] - usual) > std::max(kEven * usual, std::min(kRoundedMm, kMaxRounded * usual)))
       fail(path, fmt::format(
                      "slices are not evenly spaced: {:.4g} mm between {} and {}, {:.4g} mm elsewhere; is one "
                      "missing? Resample the series",
                      gaps[i], slices[i].file, slices[i + 1].file, usual));
   const Vec3 way = slices.back().position_mm - slices.front().position_mm;
   const Vec3 sideways = way - way.dot(normal) * normal;
-  if (sideways.norm() > kMostTilted * way.norm())
+  if (sideways.norm() > kMaxTilted * way.norm())
     fail(path,
          fmt::format(
              "slices are shifted by {:.3g} mm against each other (a tilted gantry); resample the series "

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kVoxelsPerBlock = std::size_t{1} << 18;
-constexpr std::size_t kMostLabels = std::numeric_limits<LabelImage::Index>::max();
+constexpr std::size_t kMaxLabels = std::numeric_limits<LabelImage::Index>::max();
 constexpr std::size_t kListedLabels = 20;
 
 /// Different values of a part of the image.
@@ -52,7 +52,7 @@ ValueSet<Voxel> values_of_block(const Voxel* begin, const Voxel* end) {
 template <class Voxel>
 ValueSet<Voxel> merge(ValueSet<Voxel> a, ValueSet<Voxel> b) {
   a.fractional = a.fractional || b.fractional;
-  if (b.values.empty() || a.values.size() > kMostLabels + 1) return a;
+  if (b.values.empty() || a.values.size() > kMaxLabels + 1) return a;
   std::vector<Voxel> both;
   both.reserve(a.values.size() + b.values.size());
   std::set_union(a.values.begin(), a.values.end(), b.values.begin(), b.values.end(),
@@ -86,8 +86,8 @@ std::vector<Voxel> find_values(std::span<const Voxel> voxels, const fs::path& pa
       [](ValueSet<Voxel> a, ValueSet<Voxel> b) { return merge(std::move(a), std::move(b)); });
   if (set.fractional) fail_as_values(voxels, path, "has voxels with fractions, so it is no label image");
   const auto background = std::count(set.values.begin(), set.values.end(), Voxel{0});
-  if (set.values.size() - static_cast<std::size_t>(background) > kMostLabels)
-    fail_as_values(voxels, path, fmt::format("has more than {} different labels", kMostLabels));
+  if (set.values.size() - static_cast<std::size_t>(background) > kMaxLabels)
+    fail_as_values(voxels, path, fmt::format("has more than {} different labels", kMaxLabels));
   return set.values;
 }
 

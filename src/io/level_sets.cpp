@@ -20,7 +20,7 @@ constexpr std::size_t kRowsPerBlock = 256;
 constexpr int kBinsPerOctave = 8, kOctaves = 24;
 // Distances have one slope; half the exact ones stand for those of a narrow band that was never made
 // distances anew.
-constexpr double kMostSpread = 2, kLeastSlope = 0.4, kMostSlope = 2.5;
+constexpr double kMaxSpread = 2, kMinSlope = 0.4, kMaxSlope = 2.5;
 constexpr double kTailShare = 0.1;
 
 /// How often slopes occur, on a scale of octaves around 1.
@@ -152,11 +152,11 @@ bool is_level_set(const RawImage& raw) {
                        [](auto v) { return std::trunc(v) != v && !std::isnan(v); }))
         return false;
       const SlopeCounts slopes = slopes_where_signs_change(voxels, raw.frame);
-      if (slopes.count == 0 || slopes.quantile(1 - kTailShare) > kMostSpread * slopes.quantile(kTailShare))
+      if (slopes.count == 0 || slopes.quantile(1 - kTailShare) > kMaxSpread * slopes.quantile(kTailShare))
         return false;
       const double per_mm = slopes.quantile(0.5),
                    per_voxel = per_mm * std::cbrt(raw.frame.voxel_volume_mm3());
-      const auto is_one = [](double slope) { return slope >= kLeastSlope && slope <= kMostSlope; };
+      const auto is_one = [](double slope) { return slope >= kMinSlope && slope <= kMaxSlope; };
       return is_one(per_mm) || is_one(per_voxel);
     }
   });

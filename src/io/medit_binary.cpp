@@ -19,10 +19,10 @@ constexpr std::size_t kVertexBytes = 3 * sizeof(double) + sizeof(std::int32_t);
 
 /// Bytes of the whole file, generously; fails if a number does not fit.
 std::size_t checked_size(const std::filesystem::path& path, const MeshView& mesh) {
-  bool fits = mesh.points.size() <= kMostMeditRows;
+  bool fits = mesh.points.size() <= kMaxMeditRows;
   std::size_t bytes = 1024 + mesh.points.size() * kVertexBytes;
   const auto add = [&](const CellBlock& block) {
-    fits = fits && block.size() <= kMostMeditRows;
+    fits = fits && block.size() <= kMaxMeditRows;
     bytes += block.size() * (block.corners + 1) * sizeof(std::int32_t);
   };
   for (const CellBlock& block : face_blocks(mesh)) add(block);

@@ -11,8 +11,8 @@ namespace lumesh::io {
 
 static_assert(std::endian::native == std::endian::little, "files are written in the machine's byte order");
 
-MeditByteWriter::MeditByteWriter(const std::filesystem::path& path, std::size_t most_bytes)
-    : file_(path), version_(most_bytes > std::numeric_limits<std::int32_t>::max() ? 3 : 2) {
+MeditByteWriter::MeditByteWriter(const std::filesystem::path& path, std::size_t max_bytes)
+    : file_(path), version_(max_bytes > std::numeric_limits<std::int32_t>::max() ? 3 : 2) {
   put(std::int32_t{1});
   put(version_);
   begin_section(kMeditDimension, sizeof(std::int32_t));

@@ -21,14 +21,14 @@ namespace lumesh::io {
 inline constexpr std::int32_t kMeditDimension = 3;
 inline constexpr std::int32_t kMeditEnd = 54;
 /// What counts of 32 bits, which all programs read, can say.
-inline constexpr std::size_t kMostMeditRows = std::numeric_limits<std::int32_t>::max();
+inline constexpr std::size_t kMaxMeditRows = std::numeric_limits<std::int32_t>::max();
 
 /// Writes version 2, or 3 for files above 2 GiB, of dimension 3. Failures throw Error{kBadInput} with the
 /// file.
 class MeditByteWriter {
  public:
-  /// @param most_bytes  Upper bound of the file's size.
-  MeditByteWriter(const std::filesystem::path& path, std::size_t most_bytes);
+  /// @param max_bytes  Upper bound of the file's size.
+  MeditByteWriter(const std::filesystem::path& path, std::size_t max_bytes);
 
   /// @param bytes  Of the section behind the position: count and rows.
   void begin_section(std::int32_t keyword, std::size_t bytes);

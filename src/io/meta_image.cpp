@@ -38,10 +38,10 @@ class MetaHeader {
  public:
   explicit MetaHeader(const fs::path& path) : path_(path) {
     std::ifstream in(path, std::ios::binary);
-    constexpr std::size_t kMostLines = 1000;
+    constexpr std::size_t kMaxLines = 1000;
     constexpr std::size_t kLongestLine = 4096;
     std::string line(kLongestLine, '\0');
-    for (std::size_t i = 0; i < kMostLines && in.getline(line.data(), kLongestLine); ++i) {
+    for (std::size_t i = 0; i < kMaxLines && in.getline(line.data(), kLongestLine); ++i) {
       const std::string_view text(line.c_str());
       const std::size_t equals = text.find('=');
       if (equals == std::string_view::npos) break;

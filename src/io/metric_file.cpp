@@ -182,7 +182,7 @@ void write_text(const std::filesystem::path& path, std::span<const SymTensor> me
 
 void write_binary(const std::filesystem::path& path, std::span<const SymTensor> metric) {
   constexpr std::size_t kHeaderBytes = 3 * sizeof(std::int32_t);
-  if (metric.size() > io::kMostMeditRows) io::fail(path, "too many vertices for .solb; choose .sol");
+  if (metric.size() > io::kMaxMeditRows) io::fail(path, "too many vertices for .solb; choose .sol");
   const std::size_t bytes = kHeaderBytes + metric.size() * sizeof(io::TensorNumbers);
   io::MeditByteWriter out(path, 1024 + bytes);
   out.begin_section(kSectionNumber, bytes);

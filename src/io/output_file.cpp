@@ -30,10 +30,10 @@ int open_new(const fs::path& target, std::string& name) {
 }  // namespace
 
 fs::path link_target(fs::path path) {
-  constexpr int kMostLinks = 40;  // As the kernel follows.
+  constexpr int kMaxLinks = 40;  // As the kernel follows.
   std::error_code ignored;
   for (int links = 0; fs::is_symlink(path, ignored); ++links) {
-    if (links == kMostLinks) fail(path, "is a link that leads round in a circle; remove it");
+    if (links == kMaxLinks) fail(path, "is a link that leads round in a circle; remove it");
     path = path.parent_path() / fs::read_symlink(path, ignored);
   }
   return path;

@@ -33,10 +33,10 @@ std::string name_patches_by_words(std::vector<Patch>& patches, std::string_view 
   }
   patches = std::move(named);
   if (told.empty()) return "";
-  constexpr std::size_t kMostTold = 12;
-  if (told.size() > kMostTold) {
-    const std::string more = fmt::format("and {} more", told.size() - kMostTold);
-    told.resize(kMostTold);
+  constexpr std::size_t kMaxTold = 12;
+  if (told.size() > kMaxTold) {
+    const std::string more = fmt::format("and {} more", told.size() - kMaxTold);
+    told.resize(kMaxTold);
     told.push_back(more);
   }
   return fmt::format("names of patches keep ASCII's letters, digits and _ - . only: {}",

@@ -172,11 +172,11 @@ PointData read_any_data(const std::filesystem::path& path) {
 
 template <class Arrays>
 std::string list_of(const Arrays& arrays) {
-  constexpr std::size_t kMostListed = 8;
+  constexpr std::size_t kMaxListed = 8;
   std::string text;
   std::size_t listed = 0;
   for (const auto& [name, values] : arrays) {
-    if (listed++ == kMostListed) return text + ", ...";
+    if (listed++ == kMaxListed) return text + ", ...";
     // Names come from a file that may be damaged.
     text += text.empty() ? "" : ", ";
     for (const char c : name.substr(0, 40)) text += static_cast<unsigned char>(c) < ' ' ? ' ' : c;

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kValuesPerBlock = std::size_t{1} << 18;
 constexpr double kProbabilityRounding = 1e-3;  // sums of a network's outputs and resampling leave as much
 constexpr double kSameGrid = 0.01;             // voxels; headers round spacings and directions
-constexpr double kMostAgainst = 20;            // per cent of the faces
+constexpr double kMaxAgainst = 20;             // per cent of the faces
 
 struct ValueRange {
   double least = std::numeric_limits<double>::infinity(), most = -least;
@@ -86,7 +86,7 @@ void warn_of_doubts(const CrossingCounts& counts, const fs::path& path, const Co
   if (counts.values_are_labels)
     context.warn(path.string() +
                  ": has no values between 0 and 1 at the boundary, so it says no more than the labels");
-  else if (against > kMostAgainst)
+  else if (against > kMaxAgainst)
     context.warn(
         fmt::format("{}: is on the wrong side of 0.5 at {:.0f} % of the object's voxel faces, which the "
                     "labels alone place; is it "

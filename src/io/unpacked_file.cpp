@@ -36,8 +36,8 @@ GzipInput::GzipInput(const std::filesystem::path& path, std::int64_t offset) : f
 std::size_t GzipInput::read(std::byte* out, std::size_t bytes) {
   std::size_t done = 0;
   while (done < bytes) {
-    constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;
-    const int got = ::gzread(file_, out + done, static_cast<unsigned>(std::min(kMostAtOnce, bytes - done)));
+    constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;
+    const int got = ::gzread(file_, out + done, static_cast<unsigned>(std::min(kMaxAtOnce, bytes - done)));
     if (got <= 0) break;
     done += static_cast<std::size_t>(got);
   }

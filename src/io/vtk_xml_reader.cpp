@@ -133,8 +133,8 @@ void VtkXmlReader::check_size(std::uint64_t bytes, const char* what) const {
   if (unpacked_bytes_ > kBestRatio * content_.size())
     fail(fmt::format(
         "holds more in its arrays, up to {}, than a file of its size can; several are the same data", what));
-  constexpr std::uint64_t kLarge = 64U << 20U, kMostPerByte = 9;  // 8-bit numbers and what they become.
-  if (bytes > kLarge && kMostPerByte * bytes > available_memory_bytes())
+  constexpr std::uint64_t kLarge = 64U << 20U, kMaxPerByte = 9;  // 8-bit numbers and what they become.
+  if (bytes > kLarge && kMaxPerByte * bytes > available_memory_bytes())
     io::fail(path_, fmt::format("unpacking {} needs more memory than there is", what), ErrorKind::kMemory);
 }
 

@@ -68,7 +68,7 @@ class PatchCoverage {
  public:
   PatchCoverage(const ExtrusionFrame& frame, const Columns& columns, const FirstLayer& first)
       : frame_(frame), columns_(columns), first_(first) {
-    c_.min_mm = c_.least_first = std::numeric_limits<double>::infinity();
+    c_.min_mm = c_.min_first = std::numeric_limits<double>::infinity();
   }
 
   void add(const Cell<3>& triangle) {
@@ -79,7 +79,7 @@ class PatchCoverage {
   [[nodiscard]] LayerCoverage finish() {
     c_.layered = c_.area_mm2 - c_.unlayered;
     if (c_.layered > 0) c_.first_kept /= c_.layered;
-    if (c_.layered <= 0) c_.least_first = 0;
+    if (c_.layered <= 0) c_.min_first = 0;
     for (double* share : {&c_.wanted_mm, &c_.achieved_mm, &c_.complete, &c_.unlayered, &c_.layered,
                           &c_.mean_layers, &c_.all_layers})
       *share /= c_.area_mm2;
@@ -119,7 +119,7 @@ class PatchCoverage {
       c_.unlayered += area;
       return;
     }
-    c_.least_first = std::min(c_.least_first, first_.least[v]);
+    c_.min_first = std::min(c_.min_first, first_.least[v]);
     c_.greatest_first = std::max(c_.greatest_first, first_.greatest[v]);
   }
 

@@ -71,7 +71,7 @@ class DirectionFinder {
       std::vector<Vec3> around;
       for (const std::uint32_t t : surface_.triangles_around.of(v))
         around.push_back(planes.project(normals_[t]));
-      const Vec3 best = most_normal_direction(around);
+      const Vec3 best = max_normal_direction(around);
       const double best_seen = best.isZero(0) ? -1 : visible(v, best);
       if (best_seen > seen) direction = best, seen = best_seen;
     }
@@ -103,7 +103,7 @@ class DirectionFinder {
     const double of_mean = weights / std::max(sum, 1e-9), of_distance = 1 / distance(v, direction);
     const double wanted = std::clamp(of_mean, (1 - kOff) * of_distance, (1 + kOff) * of_distance);
     const double met = std::clamp(wanted, (1 - kOff) * of_mean, (1 + kOff) * of_mean);
-    return std::min(kMost, std::max(met, kRounding * Directions::kLeastHeight / least));
+    return std::min(kMost, std::max(met, kRounding * Directions::kMinHeight / least));
   }
   /// Distance that a short step along the direction gains from the triangles around, as a share of it.
   [[nodiscard]] double distance(std::size_t v, const Vec3& direction) const {
@@ -129,7 +129,7 @@ class DirectionFinder {
 
 }  // namespace
 
-Vec3 most_normal_direction(std::span<const Vec3> normals) {
+Vec3 max_normal_direction(std::span<const Vec3> normals) {
   constexpr int kMaxSteps = 200;
   constexpr double kTolerance = 1e-6;
   if (normals.empty()) return Vec3::Zero();

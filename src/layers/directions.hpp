@@ -13,8 +13,8 @@ struct Directions {
   std::vector<double> least;    ///< The least height that it gains over a triangle around, for each stretch.
 
   /// Whether columns are as high as wanted over every triangle around.
-  [[nodiscard]] bool keeps_heights(std::size_t v) const { return least[v] >= kLeastHeight; }
-  static constexpr double kLeastHeight = 0.957;
+  [[nodiscard]] bool keeps_heights(std::size_t v) const { return least[v] >= kMinHeight; }
+  static constexpr double kMinHeight = 0.957;
 };
 
 /// Starts from the mean normal, or where the surface is sharp from the direction that sees all triangles
@@ -25,6 +25,6 @@ struct Directions {
 /// The unit vector whose smallest scalar product with unit normals is largest; zero where that is not
 /// positive. It is the nearest point of their convex hull to the origin, found by Wolfe's method without its
 /// corrections (Gilbert 1966).
-[[nodiscard]] Vec3 most_normal_direction(std::span<const Vec3> normals);
+[[nodiscard]] Vec3 max_normal_direction(std::span<const Vec3> normals);
 
 }  // namespace lumesh::layers

@@ -200,12 +200,12 @@ class Extruder {
   /// The vessel's direction in the section; the normal where the walls do not say one, and where it is that
   /// within what facets and noise turn it by.
   [[nodiscard]] Vec3 axis_at(SweptSection& s) const {
-    constexpr double kLeastCos = 0.4, kSquare = 0.997;
+    constexpr double kMinCos = 0.4, kSquare = 0.997;
     constexpr double kClear = 0.15, kUnclear = 0.3;  // What walls differ by, as sines.
     WallDirection axis = wall_direction(s, s.reach_mm);
     if (axis.left > kClear)  // Something may join the vessel further in.
       if (const WallDirection near = wall_direction(s, 0.5 * s.reach_mm); near.left < axis.left) axis = near;
-    s.is_clear = axis.left < kUnclear && axis.along.dot(s.normal) > kLeastCos;
+    s.is_clear = axis.left < kUnclear && axis.along.dot(s.normal) > kMinCos;
     return s.is_clear && axis.along.dot(s.normal) < kSquare ? axis.along : s.normal;
   }
   struct WallDirection {
@@ -216,7 +216,7 @@ class Extruder {
   /// all wall normals n at depth d have n (N + t + d b) = c + d e, solved for t, b, c and e by least squares
   /// over the walls at most so deep. Derived in docs/stages/layers.md, "Direction of an opening's vessel".
   [[nodiscard]] WallDirection wall_direction(const SweptSection& s, double depth_mm) const {
-    constexpr double kLeastPart = 1e-3;  // Of the largest eigenvalue.
+    constexpr double kMinPart = 1e-3;  // Of the largest eigenvalue.
     using Vec6 = Eigen::Matrix<double, 6, 1>;
     const Vec3 u = s.normal.unitOrthogonal(), v = s.normal.cross(u);
     Eigen::Matrix<double, 6, 6> sums = Eigen::Matrix<double, 6, 6>::Zero();
@@ -240,7 +240,7 @@ class Extruder {
       area += weight;
     });
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(sums);
-    if (!(area > 0) || !(solver.eigenvalues()[0] > kLeastPart * solver.eigenvalues()[5])) return {};
+    if (!(area > 0) || !(solver.eigenvalues()[0] > kMinPart * solver.eigenvalues()[5])) return {};
     const Vec6 fit = sums.ldlt().solve(right);
     return {(s.normal + fit[0] * u + fit[1] * v).normalized(),
             std::sqrt(std::max(0.0, squares - fit.dot(right)) / area)};
@@ -293,11 +293,11 @@ class Extruder {
                       option_name("extend"), name));
     const double cosine = s.axis.dot(s.normal);
     const double slant_mm = s.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    const double least_mm = slant_mm + kLowestRow * s.edge_mm;
-    const std::optional<Hit> hit = first_hit(s, std::max(length_mm, least_mm) + s.radius_mm);
-    double given_mm = std::max(length_mm, least_mm);
+    const double min_mm = slant_mm + kLowestRow * s.edge_mm;
+    const std::optional<Hit> hit = first_hit(s, std::max(length_mm, min_mm) + s.radius_mm);
+    double given_mm = std::max(length_mm, min_mm);
     if (hit) given_mm = std::min(given_mm, hit->along_mm - s.radius_mm);
-    if (given_mm < least_mm) given_mm = 0;
+    if (given_mm < min_mm) given_mm = 0;
     if (given_mm != length_mm) {
       const std::string reason =
           given_mm < length_mm   ? "another part of the surface is in the way at " + place_text(hit->place_mm)

@@ -22,7 +22,7 @@ std::vector<double> schedule_with(const LayerOptions& options, double growth, in
   for (int k = 0; k < count; ++k) {
     heights.push_back(sum += height);
     if (k >= options.constant_layers)
-      growth = std::min(std::max(growth, options.most_growth), growth * options.growth_rise);
+      growth = std::min(std::max(growth, options.max_growth), growth * options.growth_rise);
     height *= growth;
   }
   return heights;

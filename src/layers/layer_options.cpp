@@ -26,7 +26,7 @@ void describe_heights(OptionList& list, LayerOptions& o) {
   list.number("constant_layers", o.constant_layers, between(1, 200),
               "Layers of constant growth, before the growth itself rises")
       .alias("bli");
-  list.number("most_growth", o.most_growth, above(0), "Bound of the growth that rises").alias("blrm");
+  list.number("most_growth", o.max_growth, above(0), "Bound of the growth that rises").alias("blrm");
   list.number("count", o.count, between(1, 200),
               "Number of layers; without it and a thickness they grow until they are as high as the edges "
               "around are long")
@@ -68,7 +68,7 @@ void LayerOptions::validate() const {
   require(first_height > 0,
           option_name("first_height") + " is missing: the height of the layer next to the surface");
   require(growth >= 1 || count > 0, "a growth below 1 needs the number of layers, " + option_name("count"));
-  require(!counts_by_sizes() || growth > 1 || (growth_rise > 1 && most_growth > 1),
+  require(!counts_by_sizes() || growth > 1 || (growth_rise > 1 && max_growth > 1),
           "layers that do not grow never become as high as edges are long; give " + option_name("count") +
               " or " + option_name("thickness"));
   require(!counts_by_sizes() || short_of_room == ShortOfRoom::kDrop,

@@ -20,7 +20,7 @@ namespace lumesh::metric {
 namespace {
 
 bool bounds_anything(const MetricLimits& limits) {
-  return limits.smallest_mm > 0 || std::isfinite(limits.largest_mm) || std::isfinite(limits.most_aspect);
+  return limits.smallest_mm > 0 || std::isfinite(limits.largest_mm) || std::isfinite(limits.max_aspect);
 }
 
 /// Within the bounds, and then no more stretched than wanted.
@@ -29,7 +29,7 @@ EigenSystem bounded(EigenSystem system, const MetricLimits& limits) {
       1 / (limits.smallest_mm * limits.smallest_mm);  // Infinite where there is no bound.
   const double min_value = 1 / (limits.largest_mm * limits.largest_mm);
   for (double& value : system.values) value = std::clamp(value, min_value, max_value);
-  const double floor = system.values.maxCoeff() / (limits.most_aspect * limits.most_aspect);
+  const double floor = system.values.maxCoeff() / (limits.max_aspect * limits.max_aspect);
   system.values = system.values.cwiseMax(floor);
   return system;
 }

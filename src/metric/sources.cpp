@@ -152,7 +152,7 @@ std::vector<SymTensor> CurvatureSource::on(const TetMesh& mesh, SourceData& data
 void MetricLimits::describe(OptionList& list) {
   list.number("min_size", smallest_mm, above(0), "No size below this").in("mm").zero("no bound");
   list.number("max_size", largest_mm, above(0), "No size above this").in("mm").zero("no bound", kUnbounded);
-  list.number("max_aspect", most_aspect, at_least(1),
+  list.number("max_aspect", max_aspect, at_least(1),
               "The largest size of a tensor is at most so many times its smallest; the larger ones become "
               "smaller")
       .zero("no bound", kUnbounded);

@@ -78,11 +78,11 @@ void describe_layers(const CaseState& state, const std::optional<quality::Evalua
   const MeshView view = state.mixed->view();
   stage.evaluation =
       state.context.phase("measures", [&] { return quality::evaluate(view, {}, state.context); });
-  const double least_before_deg = before ? before->statistics.tetrahedra.smallest_dihedral_deg.value : 180;
-  stage.layers = report::measure_layers(view, std::move(stage.layers->report), least_before_deg);
+  const double min_before_deg = before ? before->statistics.tetrahedra.smallest_dihedral_deg.value : 180;
+  stage.layers = report::measure_layers(view, std::move(stage.layers->report), min_before_deg);
   stage.figures.push_back({"Smallest dihedral angle beside the layers",
                            stage.layers->core.tetrahedra.smallest_dihedral_deg.value, "°",
-                           before ? fmt::format("before: {:.2f}", least_before_deg) : ""});
+                           before ? fmt::format("before: {:.2f}", min_before_deg) : ""});
   if (const std::string flat = stage.layers->flat_cells_beside(); !flat.empty()) {
     state.context.warn(flat);
     stage.warnings.push_back(flat);

@@ -162,11 +162,11 @@ Shape shape_of(const MeshView& mesh) {
 }
 
 Shape shape_of(const LabelImage& image) {
-  constexpr int kMostBlocks = 256;
+  constexpr int kMaxBlocks = 256;
   const VoxelBox object = object_box(image);
   const Index3 low = object.is_empty() ? Index3(Index3::Zero()) : object.low;
   const Index3 high = object.is_empty() ? low : Index3(object.high - Index3::Ones());
-  const int step = ((high - low).maxCoeff() + kMostBlocks) / kMostBlocks;
+  const int step = ((high - low).maxCoeff() + kMaxBlocks) / kMaxBlocks;
   const Blocks blocks(image, low, high, step);
   const SideFaces faces(image.frame(), blocks);
   Shape shape;

@@ -95,7 +95,7 @@ Camera window_camera(const CutWindow& window, int width) {
   return camera;
 }
 
-CutWindow fullest_window(const MeshView& mesh, const CutPlane& plane, std::uint64_t most_cells) {
+CutWindow fullest_window(const MeshView& mesh, const CutPlane& plane, std::uint64_t max_cells) {
   std::vector<SectionPlace> places;
   const Camera axes = window_camera({plane.point_mm, plane.normal, 1}, 1);
   for_each_section(mesh, plane, [&](const auto&, const std::vector<Vec3>& section) {
@@ -108,7 +108,7 @@ CutWindow fullest_window(const MeshView& mesh, const CutPlane& plane, std::uint6
       place.area_mm2 += triangle_area(section[0], section[i], section[i + 1]);
     places.push_back(place);
   });
-  const WindowPlace found = fullest_place(places, most_cells);
+  const WindowPlace found = fullest_place(places, max_cells);
   const Vec3 centre =
       found.right_mm * axes.right + found.up_mm * axes.up + plane.normal.dot(plane.point_mm) * plane.normal;
   return {centre, plane.normal, found.width_mm};

@@ -85,7 +85,7 @@ class SectionSums {
 
 }  // namespace
 
-WindowPlace fullest_place(std::span<const SectionPlace> cells, std::uint64_t most_cells) {
+WindowPlace fullest_place(std::span<const SectionPlace> cells, std::uint64_t max_cells) {
   if (cells.empty()) return {};
   const SectionSums sums(cells);
   for (double width = kGrid;; width *= kNarrowing) {
@@ -94,7 +94,7 @@ WindowPlace fullest_place(std::span<const SectionPlace> cells, std::uint64_t mos
                           1,
                           static_cast<std::size_t>(std::lround(kWindowShape * static_cast<double>(columns))));
     const SectionSums::Best best = sums.best(columns, rows);
-    if (best.cells <= static_cast<double>(most_cells) || columns == kNarrowest)
+    if (best.cells <= static_cast<double>(max_cells) || columns == kNarrowest)
       return sums.place(best, columns, rows);
   }
 }

@@ -22,9 +22,9 @@ struct WindowPlace {
   double width_mm = 1;
 };
 
-/// The widest window, in steps, that has the most cells of all of its width and no more than `most_cells`;
+/// The widest window, in steps, that has the most cells of all of its width and no more than `max_cells`;
 /// windows that the section fills to less than three fifths count in proportion, so that what is shown is not
 /// an edge or a thin branch.
-[[nodiscard]] WindowPlace fullest_place(std::span<const SectionPlace> cells, std::uint64_t most_cells);
+[[nodiscard]] WindowPlace fullest_place(std::span<const SectionPlace> cells, std::uint64_t max_cells);
 
 }  // namespace lumesh::report

@@ -18,7 +18,7 @@ namespace {
 
 using namespace lumesh::quality;
 
-constexpr std::size_t kMostRows = 400;
+constexpr std::size_t kMaxRows = 400;
 
 std::string marked(bool good, const std::string& text) {
   return fmt::format("{}{}", good ? "" : "!", text);
@@ -58,7 +58,7 @@ std::string table_place(const Vec3& p) {
 }
 
 void add_kept(Table& table, const std::string& name, const KeptVoxels& kept, double voxel) {
-  if (kept.counted == 0 || table.size() > kMostRows) return;
+  if (kept.counted == 0 || table.size() > kMaxRows) return;
   std::vector<std::string> row = {name, grouped(kept.counted), grouped(kept.counted - kept.kept),
                                   fmt::format("{:.3f} %", 100 * kept.share())};
   if (const auto& worst = kept.worst)
@@ -74,7 +74,7 @@ std::string topology_places(const std::vector<TopologyPlace>& places) {
   if (places.empty()) return "";
   Table table = {{"label", "topology that differs", "at mm", "voxels"}};
   for (const TopologyPlace& p : places) {
-    if (table.size() > kMostRows) break;
+    if (table.size() > kMaxRows) break;
     const auto range = [&](int axis) {
       const int low = p.box.low[axis], high = p.box.high[axis] - 1;
       return low == high ? std::to_string(low) : fmt::format("{}–{}", low, high);
@@ -108,7 +108,7 @@ std::string labels_section(const Evaluation& e) {
   if (e.image) table[0].insert(table[0].end(), {"voxels mm³", "error"});
   table[0].insert(table[0].end(), {"components", "cavities", "handles", "Euler number", "surface"});
   for (const LabelEvaluation& l : e.labels) {
-    if (table.size() > kMostRows) break;
+    if (table.size() > kMaxRows) break;
     std::vector<std::string> row = {
         escaped(l.name.empty() ? std::to_string(l.label) : fmt::format("{} {}", l.label, l.name)),
         grouped(l.cells), five_digits(l.volume_mm3)};
@@ -138,7 +138,7 @@ std::string labels_section(const Evaluation& e) {
     html += "<p class=\"note\">Volumes of voxels are those of what the cuts keep.</p>";
   if (!e.topology_differences.empty()) {
     html += "<p class=\"note\">Topology that differs:";
-    for (std::size_t i = 0; i < std::min(kMostRows, e.topology_differences.size()); ++i)
+    for (std::size_t i = 0; i < std::min(kMaxRows, e.topology_differences.size()); ++i)
       html += (i == 0 ? " " : "; ") + e.topology_differences[i];
     html += ".</p>";
   }
@@ -155,7 +155,7 @@ std::string distances_section(const Evaluation& e) {
       std::count_if(e.labels.begin(), e.labels.end(), [](const auto& l) { return l.distances.has_value(); });
   if (measured > 1)
     for (const LabelEvaluation& l : e.labels)
-      if (l.distances && table.size() < kMostRows)
+      if (l.distances && table.size() < kMaxRows)
         add_distances(table, "label " + std::to_string(l.label), *l.distances, e.image->voxel_size_mm);
   return section("Distance to the image",
                  table_html(table) +
@@ -209,7 +209,7 @@ std::string narrowest_section(const Evaluation& e) {
                    [](const auto& a, const auto& b) { return a.change_percent() < b.change_percent(); });
   Table table = {{"branch", "mesh mm²", "voxels mm²", "change", "at mm", "direction"}};
   for (const NarrowestSection& s : sections) {
-    if (table.size() > kMostRows) break;
+    if (table.size() > kMaxRows) break;
     table.push_back({std::to_string(s.branch), five_digits(s.mesh_area_mm2), five_digits(s.voxel_area_mm2),
                      marked(!s.tightened(), fmt::format("{:+.1f} %", s.change_percent())),
                      table_place(s.centre_mm), direction_text(s.direction)});
@@ -252,7 +252,7 @@ std::string boundary_section(const Evaluation& e) {
   Table table = {
       {"patch", "kind", "triangles", "area mm²", "smallest angle", "centre mm", "normal", "flat within"}};
   for (const PatchSummary& p : e.patches) {
-    if (table.size() > kMostRows) break;
+    if (table.size() > kMaxRows) break;
     const bool opening = is_plane(p.kind);
     table.push_back({escaped(p.name), std::string(kind_word(p.kind, p.flow)), grouped(p.faces),
                      five_digits(p.area_mm2), fmt::format("{:.1f}°", p.smallest_angle_deg),

@@ -157,13 +157,13 @@ json describe_mesh(MixedMesh mesh) {
 /// Of the flat ends of a closed surface; not of a very large one: that is not worth the time.
 void add_openings_of_surface(const DescriptionRequest& request, json& all, Context& context) {
   const auto& [path, unit] = std::tie(request.path, request.selection.unit);
-  constexpr std::size_t kMostTriangles = 1'000'000;
+  constexpr std::size_t kMaxTriangles = 1'000'000;
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
   try {
     SurfaceInput given = read_surface(path, unit, {}, request.cuts, context);
     const MixedMesh& surface = given.mesh;
-    if (surface.triangles.size() > kMostTriangles)
-      return leave_out(fmt::format("more than {} triangles", kMostTriangles));
+    if (surface.triangles.size() > kMaxTriangles)
+      return leave_out(fmt::format("more than {} triangles", kMaxTriangles));
     const PatchedSurface patched(surface_view(surface, given.resolution_mm));
     name_closed(given.closed, patched.flat_ends());
     if (!given.closed.empty()) all["would_close"] = closed_json(given.closed);
@@ -191,9 +191,9 @@ json describe_mesh_file(const DescriptionRequest& request, Context& context) {
 /// Not of an image with very many labels, or of noise: they are not worth the time.
 void add_openings(LabelImage& image, const InputCuts& cuts, std::vector<CutPlane> planes, json& all,
                   Context& context) {
-  constexpr std::size_t kMostLabels = 200;
+  constexpr std::size_t kMaxLabels = 200;
   const auto leave_out = [&](const std::string& why) { context.warn("openings are not looked for: " + why); };
-  if (image.values().size() > kMostLabels) return leave_out(fmt::format("more than {} labels", kMostLabels));
+  if (image.values().size() > kMaxLabels) return leave_out(fmt::format("more than {} labels", kMaxLabels));
   try {
     InputCuts before = cuts;
     before.extension = {};

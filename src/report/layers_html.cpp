@@ -30,22 +30,22 @@ Table patches_table(const LayerReport& report) {
   Table table = {{"patch", "area mm²", "layers", "mean layers", "all layers", "unlayered",
                   "first height kept", "least", "greatest", "wanted mm", "mean mm", "min mm", "complete"}};
   for (const LayerCoverage& c : report.patches)
-    table.push_back(
-        {escaped(c.patch), five_digits(c.area_mm2), std::to_string(c.layers),
-         fmt::format("{:.2f}", c.mean_layers), percent(c.all_layers), percent(c.unlayered),
-         c.layered > 0 ? percent(c.first_kept) : "–", c.layered > 0 ? percent(c.least_first) : "–",
-         c.layered > 0 ? percent(c.greatest_first) : "–", fmt::format("{:.4g}", c.wanted_mm),
-         fmt::format("{:.4g}", c.achieved_mm), fmt::format("{:.4g}", c.min_mm), percent(c.complete)});
+    table.push_back({escaped(c.patch), five_digits(c.area_mm2), std::to_string(c.layers),
+                     fmt::format("{:.2f}", c.mean_layers), percent(c.all_layers), percent(c.unlayered),
+                     c.layered > 0 ? percent(c.first_kept) : "–", c.layered > 0 ? percent(c.min_first) : "–",
+                     c.layered > 0 ? percent(c.greatest_first) : "–", fmt::format("{:.4g}", c.wanted_mm),
+                     fmt::format("{:.4g}", c.achieved_mm), fmt::format("{:.4g}", c.min_mm),
+                     percent(c.complete)});
   return table;
 }
 
 /// Shares of the area by reason, with bars; reasons of less than 0.05 % are left out.
 std::string reasons_html(const LayerReport& report) {
-  constexpr double kLeastShare = 0.0005;
+  constexpr double kMinShare = 0.0005;
   std::string rows;
   for (const LayerCoverage& c : report.patches)
     for (std::size_t i = 1; i < kLayerLimits; ++i)
-      if (c.limited[i] >= kLeastShare)
+      if (c.limited[i] >= kMinShare)
         rows += fmt::format(
             "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"share\"><i "
             "style=\"width:{:.1f}%\"></i></td>"

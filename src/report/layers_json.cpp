@@ -28,7 +28,7 @@ void for_each_value(Coverage& c, const Visit& visit) {
   visit("all_layers", c.all_layers);
   visit("layered", c.layered);
   visit("first_height_kept", c.first_kept);
-  visit("least_first_height", c.least_first);
+  visit("least_first_height", c.min_first);
   visit("greatest_first_height", c.greatest_first);
   visit("bare", c.unlayered);
 }

@@ -25,7 +25,7 @@ std::uint64_t used_points(const MeshView& mesh) {
 std::string first_height_text(const LayerCoverage& c) {
   return c.layered > 0
              ? fmt::format("first height within 2 % on {:.1f} % of what has layers, {:.3f} to {:.3f} of it",
-                           100 * c.first_kept, c.least_first, c.greatest_first)
+                           100 * c.first_kept, c.min_first, c.greatest_first)
              : "no first height";
 }
 
@@ -33,18 +33,18 @@ std::string first_height_text(const LayerCoverage& c) {
 
 std::string LayersOfMesh::flat_cells_beside() const {
   const quality::Extreme& least = core.tetrahedra.smallest_dihedral_deg;
-  if (core.tetrahedra.count == 0 || least.value >= std::min(kFlatDihedralDeg, least_before_deg)) return "";
+  if (core.tetrahedra.count == 0 || least.value >= std::min(kFlatDihedralDeg, min_before_deg)) return "";
   return fmt::format(
       "{} of the tetrahedra beside the layers have dihedral angles below {:g} degrees, the smallest {:.2g} "
       "at {}; solvers may fail there: thinner or fewer layers, or lumesh improve on the mesh before",
       core.tetrahedra.below_5_deg, kFlatDihedralDeg, least.value, place_text(least.centre_mm));
 }
 
-LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report, double least_before_deg) {
+LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report, double min_before_deg) {
   const quality::LayeredParts parts =
       quality::parts_of(mesh, {report.cells, report.core_pyramids, report.core_prisms});
   LayersOfMesh layers = {std::move(report), quality::measure(parts.core), quality::measure(parts.layers),
-                         quality::measure_flat_cells(parts.layers), least_before_deg};
+                         quality::measure_flat_cells(parts.layers), min_before_deg};
   layers.core.vertices = used_points(parts.core);
   return layers;
 }

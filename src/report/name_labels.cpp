@@ -12,7 +12,7 @@ namespace lumesh::report {
 
 namespace {
 
-constexpr std::size_t kMostNames = 40;
+constexpr std::size_t kMaxNames = 40;
 
 std::size_t count_letters(const std::string& utf8) {
   return static_cast<std::size_t>(
@@ -187,8 +187,8 @@ PixelPlace point_outside(const PixelPlace& at, const PixelPlace& from, double le
 
 /// Gives each name the best of its places beside the others, until none moves any more.
 void choose_places(std::vector<Name>& names) {
-  constexpr int kMostSweeps = 10;
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+  constexpr int kMaxSweeps = 10;
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     bool moved = false;
     for (Name& name : names) {
       const Place* best = nullptr;
@@ -264,7 +264,7 @@ std::vector<OpeningMark> opening_marks(const MeshView& mesh, const quality::Mesh
   std::erase_if(openings, [](const PatchSums& opening) { return !(opening.area > 0); });
   std::stable_sort(openings.begin(), openings.end(),
                    [](const PatchSums& a, const PatchSums& b) { return a.area > b.area; });
-  if (openings.size() > kMostNames) openings.resize(kMostNames);
+  if (openings.size() > kMaxNames) openings.resize(kMaxNames);
   std::vector<OpeningMark> marks;
   for (const PatchSums& o : openings) {
     const bool is_in_the_middle = (o.nearest - o.centre).norm() < 0.3 * std::sqrt(o.area);

@@ -12,7 +12,7 @@ namespace {
 
 using quality::MeshSurface;
 
-constexpr std::size_t kMostLegendItems = 60;
+constexpr std::size_t kMaxLegendItems = 60;
 /// Each two differ by 0.13 in OKLab (Ottosson 2020) at least, also to eyes without red or without green cones
 /// (Machado et al. 2009, doi:10.1109/TVCG.2009.113, severity 1): found by exchanging one after the other for
 /// the colour that is farthest from the rest. The first is that of walls.
@@ -77,7 +77,7 @@ std::vector<LegendItem> Palette::legend() const {
     for (std::size_t p = 0; p < patch_colours_.size(); ++p)
       items.push_back({mesh_.info->patches[p].name, patch_colours_[p]});
   }
-  if (items.size() > kMostLegendItems) items.resize(kMostLegendItems);
+  if (items.size() > kMaxLegendItems) items.resize(kMaxLegendItems);
   return items;
 }
 

@@ -80,7 +80,7 @@ Json cut_json(const CutMesh& cut) {
     json["openings"].push_back({{"name", opening.name},
                                 {"area_mm2", opening.area_mm2},
                                 {"centre_mm", {x, y, z}},
-                                {"least_angle_to_wall_deg", opening.least_angle_deg}});
+                                {"least_angle_to_wall_deg", opening.min_angle_deg}});
   }
   return json;
 }

@@ -274,7 +274,7 @@ SurfacePicture draw_surface_curvature(const MeshView& mesh, const MeshSurface& s
 
 SurfacePicture draw_surface_with_lines(const MeshView& mesh, const MeshSurface& surface,
                                        const Polylines& lines, const LinesOptions& options) {
-  constexpr std::size_t kMostNamedLines = 12;
+  constexpr std::size_t kMaxNamedLines = 12;
   const Camera camera = best_camera(surface_points(mesh, surface), options.width);
   const Palette palette(mesh, surface);
   const std::vector<ScreenTriangle> triangles = facing_triangles(
@@ -292,7 +292,7 @@ SurfacePicture draw_surface_with_lines(const MeshView& mesh, const MeshSurface& 
   }
   lay_over(result.picture, draw_tubes(camera, lines, options, colours));
   if (!colours)
-    for (std::size_t line = 0; line < std::min(lines.lines.size(), kMostNamedLines); ++line)
+    for (std::size_t line = 0; line < std::min(lines.lines.size(), kMaxNamedLines); ++line)
       result.legend.push_back({line_name(lines, line), distinct_colour(line + 1)});
   return result;
 }

@@ -16,7 +16,7 @@ namespace {
 
 using namespace lumesh::quality;
 
-constexpr std::size_t kMostLabels = 24;  // Longer tables go to JSON and the report.
+constexpr std::size_t kMaxLabels = 24;  // Longer tables go to JSON and the report.
 
 std::string counts_text(const Evaluation& e) {
   const MeshStatistics& m = e.statistics;
@@ -84,15 +84,15 @@ std::string boundary_text(const Evaluation& e) {
   if (!b.manifold())
     text += fmt::format("               {} open and {} non-manifold edges, {} non-manifold vertices\n",
                         b.open_edges, b.non_manifold_edges, b.non_manifold_vertices);
-  for (std::size_t i = 0; i < std::min(kMostLabels, e.patches.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxLabels, e.patches.size()); ++i) {
     const PatchSummary& p = e.patches[i];
     text += fmt::format("  {:<12} {:>8} faces {:>10} mm²   angles from {:.1f}°", p.name, grouped(p.faces),
                         five_digits(p.area_mm2), p.smallest_angle_deg);
     if (is_plane(p.kind)) text += fmt::format("   flat within {:.2g} mm", std::max(p.flatness_mm, 1e-3));
     text += "\n";
   }
-  if (e.patches.size() > kMostLabels)
-    text += fmt::format("  … {} more patches\n", e.patches.size() - kMostLabels);
+  if (e.patches.size() > kMaxLabels)
+    text += fmt::format("  … {} more patches\n", e.patches.size() - kMaxLabels);
   const CurvatureSummary& c = e.curvature;
   if (c.vertices > 0)
     text += fmt::format(
@@ -110,29 +110,29 @@ std::string union_row(const Evaluation& e) {
 
 std::string differences_text(const std::vector<std::string>& differences) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMostLabels, differences.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMaxLabels, differences.size()); ++i)
     text += "topology differs: " + differences[i] + "\n";
-  if (differences.size() > kMostLabels)
-    text += fmt::format("… of {} more labels\n", differences.size() - kMostLabels);
+  if (differences.size() > kMaxLabels)
+    text += fmt::format("… of {} more labels\n", differences.size() - kMaxLabels);
   return text;
 }
 
 std::string places_text(const std::vector<TopologyPlace>& places) {
-  constexpr std::size_t kMostPlaces = 12;
+  constexpr std::size_t kMaxPlaces = 12;
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMostPlaces, places.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxPlaces, places.size()); ++i) {
     text += fmt::format("  label {} at {} mm: {}\n", places[i].label, decimals_text(places[i].centre_mm, 2),
                         in_words(places[i]));
   }
-  if (places.size() > kMostPlaces)
-    text += fmt::format("  … {} more places, which the JSON lists\n", places.size() - kMostPlaces);
+  if (places.size() > kMaxPlaces)
+    text += fmt::format("  … {} more places, which the JSON lists\n", places.size() - kMaxPlaces);
   return text;
 }
 
 std::string labels_text(const Evaluation& e) {
   std::string text = fmt::format("\n{:<22}{:>12}{:>12}{:>9}{:>13}{:>12}  {}\n", "label", "volume mm³",
                                  "image mm³", "error %", "components", "Euler", "surface");
-  for (std::size_t i = 0; i < std::min(kMostLabels, e.labels.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxLabels, e.labels.size()); ++i) {
     const LabelEvaluation& l = e.labels[i];
     const std::string name = l.name.empty() ? std::to_string(l.label) : fmt::format("{} {}", l.label, l.name);
     const auto of_image = [&](auto value, auto image) {
@@ -148,7 +148,7 @@ std::string labels_text(const Evaluation& e) {
                         : l.surface.manifold() ? "manifold"
                                                : "NOT MANIFOLD");
   }
-  if (e.labels.size() > kMostLabels) text += fmt::format("… {} more labels\n", e.labels.size() - kMostLabels);
+  if (e.labels.size() > kMaxLabels) text += fmt::format("… {} more labels\n", e.labels.size() - kMaxLabels);
   if (e.image && e.labels.size() > 1) text += union_row(e);
   const auto lost = std::count_if(e.labels.begin(), e.labels.end(), [](const auto& l) { return l.lost(); });
   if (lost > 0) text += fmt::format("{} of {} labels are not in the mesh\n", lost, e.labels.size());
@@ -177,9 +177,9 @@ std::string kept_text(const Evaluation& e) {
   const double voxel = e.image->voxel_size_mm;
   std::size_t rows = 0;
   for (const LabelEvaluation& l : e.labels)
-    if (l.voxels_kept && rows++ < kMostLabels)
+    if (l.voxels_kept && rows++ < kMaxLabels)
       text += kept_row(fmt::format("label {}", l.label), *l.voxels_kept, voxel);
-  if (rows > kMostLabels) text += fmt::format("  … {} more labels\n", rows - kMostLabels);
+  if (rows > kMaxLabels) text += fmt::format("  … {} more labels\n", rows - kMaxLabels);
   text += kept_row("background", e.image->background_kept, voxel);
   return text + kept_row("all", e.image->voxels_kept, voxel);
 }
@@ -201,20 +201,20 @@ std::string openings_text(const OpeningsCompared& compared) {
 
 /// The branches that lose most.
 std::string sections_text(std::vector<NarrowestSection> sections) {
-  constexpr std::size_t kMostBranches = 12;
+  constexpr std::size_t kMaxBranches = 12;
   if (sections.empty()) return "";
   std::stable_sort(sections.begin(), sections.end(),
                    [](const auto& a, const auto& b) { return a.change_percent() < b.change_percent(); });
   std::string text = fmt::format("\n{:<24}{:>12}{:>14}{:>11}  {}\n", "narrowest sections", "mesh mm²",
                                  "voxels mm²", "change", "at mm");
-  for (std::size_t i = 0; i < std::min(kMostBranches, sections.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxBranches, sections.size()); ++i) {
     const NarrowestSection& s = sections[i];
     text += fmt::format("  branch {:<15}{:>12}{:>13}{:>9.1f} %  {}{}\n", s.branch,
                         five_digits(s.mesh_area_mm2), five_digits(s.voxel_area_mm2), s.change_percent(),
                         decimals_text(s.centre_mm, 1), s.tightened() ? "  TIGHTENED" : "");
   }
-  if (sections.size() > kMostBranches)
-    text += fmt::format("  … {} more branches that lose less\n", sections.size() - kMostBranches);
+  if (sections.size() > kMaxBranches)
+    text += fmt::format("  … {} more branches that lose less\n", sections.size() - kMaxBranches);
   return text;
 }
 

@@ -9,7 +9,7 @@ namespace lumesh::report {
 
 namespace {
 
-constexpr std::size_t kMostCells = 200000;
+constexpr std::size_t kMaxCells = 200000;
 constexpr std::size_t kSlabs = 96;       // Across the diagonal of the mesh.
 constexpr std::size_t kFinerSlabs = 24;  // Across the slab that is chosen and half of each neighbour.
 
@@ -20,7 +20,7 @@ struct CellPoint {
 };
 
 std::vector<CellPoint> some_cells(const MeshView& mesh) {
-  const std::size_t stride = 1 + mesh.cell_count() / kMostCells;
+  const std::size_t stride = 1 + mesh.cell_count() / kMaxCells;
   std::vector<CellPoint> cells;
   const auto add = [&](const auto& all) {
     for (std::size_t i = 0; i < all.size(); i += stride) {

@@ -23,7 +23,7 @@
 namespace lumesh {
 namespace {
 
-constexpr std::size_t kMostProblems = 20;  // Of a mesh.
+constexpr std::size_t kMaxProblems = 20;  // Of a mesh.
 
 void check_unit(const MixedMesh& mesh, std::span<const Opening> openings, CheckReport& report) {
   if (mesh.points.empty()) return;
@@ -86,7 +86,7 @@ CheckReport check_mesh(const MixedMesh& mesh) {
   if (mesh.view().cell_count() == mesh.tetrahedra.size()) {
     const ValidationReport validity = validate(mesh.view());
     for (const std::string& problem : validity.problems) {
-      if (report.findings.size() == kMostProblems) break;
+      if (report.findings.size() == kMaxProblems) break;
       report.findings.push_back({"invalid", Severity::kFault, 1, problem, kRemedy, {}});
     }
   }

@@ -16,7 +16,7 @@
 namespace lumesh {
 namespace {
 
-constexpr std::size_t kLeastVoxels = 27, kMostListed = 3;
+constexpr std::size_t kMinVoxels = 27, kMaxListed = 3;
 
 /// Whether any cell of the piece's label has its middle in the piece's box.
 std::vector<bool> found_pieces(const ImageShape& image, const MeshView& mesh) {
@@ -63,7 +63,7 @@ std::string lost_pieces(const ImageShape& image, const std::vector<bool>& is_fou
   std::string list;
   std::size_t lost = 0;
   for (std::size_t p = 0; p < image.pieces.size(); ++p) {
-    if (is_found[p] || ++lost > kMostListed) continue;
+    if (is_found[p] || ++lost > kMaxListed) continue;
     const VoxelComponent& piece = image.pieces[p];
     const Vec3 middle =
         image.frame.to_physical(0.5 * (piece.box.low + piece.box.high).cast<double>() - Vec3::Constant(0.5));
@@ -72,7 +72,7 @@ std::string lost_pieces(const ImageShape& image, const std::vector<bool>& is_fou
   }
   if (lost == 0) return {};
   return fmt::format("{} of labels not in the mesh: {}{}; {}", counted(lost, "piece"), list,
-                     lost > kMostListed ? "; ..." : "", remedy);
+                     lost > kMaxListed ? "; ..." : "", remedy);
 }
 
 /// "label 1 with 1 piece and Euler number 1, of 2 and 2"; nothing if it is as in the image.
@@ -104,13 +104,13 @@ std::string other_shapes(const ImageShape& image, std::span<const LabelShape> sh
         std::find_if(shapes.begin(), shapes.end(), [&](const auto& s) { return s.label == label.label; });
     const std::string other =
         other_shape(image, label, found == shapes.end() ? LabelShape{label.label} : *found);
-    if (other.empty() || ++others > kMostListed) continue;
+    if (other.empty() || ++others > kMaxListed) continue;
     list += (others == 1 ? "" : "; ") + other;
   }
   if (others == 0) return {};
   return fmt::format("{} from the image's voxels: {}{}; {}",
                      counted(others, "label in the mesh differs", "labels in the mesh differ"), list,
-                     others > kMostListed ? "; ..." : "", remedy);
+                     others > kMaxListed ? "; ..." : "", remedy);
 }
 
 std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
@@ -161,7 +161,7 @@ LabelImage cut_off(LabelImage image, std::span<const CutPlane> planes) {
 
 ImageShape shape_of_whole(const LabelImage& image) {
   ImageShape shape{image.frame(), label_topology(image), voxel_components(image, ComponentScope::kEachLabel)};
-  std::erase_if(shape.pieces, [](const VoxelComponent& c) { return c.voxel_count < kLeastVoxels; });
+  std::erase_if(shape.pieces, [](const VoxelComponent& c) { return c.voxel_count < kMinVoxels; });
   return shape;
 }
 

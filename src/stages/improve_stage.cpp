@@ -22,11 +22,11 @@ CutMesh cut_before(MixedMesh& mesh, const std::string& name, std::span<const Cut
   CutMesh made = context.phase("cut", [&] { return naming(name, [&] { return cut_mesh(mesh, planes); }); });
   if (!made.gone.empty()) context.info(fmt::format("{} lay beyond the cut", fmt::join(made.gone, ", ")));
   for (const CutMesh::Opening& opening : made.openings)
-    if (opening.least_angle_deg < kSharpDeg)
+    if (opening.min_angle_deg < kSharpDeg)
       context.warn(
           fmt::format("the wall meets {} at {:.1f} degrees: tetrahedra there stay as flat; cut across "
                       "the vessel",
-                      opening.name, opening.least_angle_deg));
+                      opening.name, opening.min_angle_deg));
   return made;
 }
 

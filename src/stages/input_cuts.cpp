@@ -117,11 +117,11 @@ void warn_of_sections_that_stay(const LabelImage& image, std::span<const CutPlan
 
 void clip_ends(LabelImage& image, const LocalLength& length, std::vector<CutPlane>& planes,
                Context& context) {
-  constexpr std::size_t kLeastVoxels = 50, kMostPieces = 20;  // Each costs as much as the whole image.
+  constexpr std::size_t kMinVoxels = 50, kMaxPieces = 20;  // Each costs as much as the whole image.
   std::vector<Vec3> tried;
   std::size_t pieces = 0;
   for (const VoxelComponent& piece : voxel_components(image, ComponentScope::kUnion)) {  // Largest first.
-    if (pieces > 0 && (piece.voxel_count < kLeastVoxels || pieces == kMostPieces)) break;
+    if (pieces > 0 && (piece.voxel_count < kMinVoxels || pieces == kMaxPieces)) break;
     try {
       const std::vector<Vec3> ends = clip_piece(image, piece.first, length, planes, context);
       tried.insert(tried.end(), ends.begin(), ends.end());

@@ -122,8 +122,8 @@ std::vector<CutMesh::Opening> measure(const MixedMesh& mesh, const std::set<std:
       for (std::size_t i = 0; i < 3; ++i)
         if (const auto at = at_edge.find(edge_key(mesh.triangles[t][i], mesh.triangles[t][(i + 1) % 3]));
             at != at_edge.end())
-          opening.least_angle_deg =
-              std::min(opening.least_angle_deg, angle_inside_deg(normal_of(t), normal_of(at->second)));
+          opening.min_angle_deg =
+              std::min(opening.min_angle_deg, angle_inside_deg(normal_of(t), normal_of(at->second)));
     }
     AreaSum sum;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

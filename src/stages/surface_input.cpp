@@ -174,13 +174,13 @@ void name_closed(std::vector<ClosedRim>& closed, std::span<const FlatEnd> ends) 
 }
 
 std::vector<std::string> closing_lines(std::span<const ClosedRim> closed) {
-  constexpr std::size_t kMostHoles = 10;
+  constexpr std::size_t kMaxHoles = 10;
   std::vector<std::string> lines;
   std::size_t holes = 0;
   for (const ClosedRim& rim : closed)
-    if (rim.is_opening || ++holes <= kMostHoles) lines.push_back(line_of(rim));
-  if (holes > kMostHoles)
-    lines.push_back(fmt::format("filled {} smaller holes of the wall", holes - kMostHoles));
+    if (rim.is_opening || ++holes <= kMaxHoles) lines.push_back(line_of(rim));
+  if (holes > kMaxHoles)
+    lines.push_back(fmt::format("filled {} smaller holes of the wall", holes - kMaxHoles));
   return lines;
 }
 

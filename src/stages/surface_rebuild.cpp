@@ -19,7 +19,7 @@ namespace lumesh {
 namespace {
 
 constexpr double kInsideWinding = 0.5;  // Winding number.
-constexpr double kMostVoxels = 3e7;
+constexpr double kMaxVoxels = 3e7;
 
 ImageFrame frame_around(std::span<const Vec3> points, double spacing_mm) {
   constexpr double kMargin = 4;  // Voxels.
@@ -134,7 +134,7 @@ RebuiltSurface rebuild_surface(const TriangleMesh& given, double max_distance_mm
   made.failure = "so small a distance needs too fine a grid";
   double spacing = max_distance_mm / 2;
   for (int n = 0; n < kTries; ++n, spacing /= 2) {
-    if (frame_around(given.points, spacing).size.cast<double>().prod() > kMostVoxels) break;
+    if (frame_around(given.points, spacing).size.cast<double>().prod() > kMaxVoxels) break;
     made = rebuilt_at(given, surface, spacing, max_distance_mm, context);
     if (made.failure.empty()) break;
   }

@@ -125,14 +125,14 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
     try {
       AxisPlace found = place_before(length);
       const double asked_mm = found.across.height(end);
-      const double least_mm = depth_mm(end, found.across.normal, found.radius_mm);
-      if (least_mm > asked_mm) found = place_before({least_mm});
+      const double min_mm = depth_mm(end, found.across.normal, found.radius_mm);
+      if (min_mm > asked_mm) found = place_before({min_mm});
       cut(found);
-      if (least_mm > asked_mm)
+      if (min_mm > asked_mm)
         context.warn(
             fmt::format("{}: the end at {} is cut {:.3g} mm before it, not {:.3g} mm: the vessel is cut off "
                         "obliquely there",
-                        option_name("clip_ends"), place_text(end), least_mm, asked_mm));
+                        option_name("clip_ends"), place_text(end), min_mm, asked_mm));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kBadInput) throw;
       context.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"), place_text(end),

@@ -72,7 +72,7 @@ std::vector<double> lengths_along(const Polylines& lines, std::span<const std::u
   return lengths_mm;
 }
 
-std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_mm,
+std::vector<VesselEnd> vessel_ends(const Polylines& lines, double min_radius_mm,
                                    std::span<const Opening> openings) {
   std::vector<VesselEnd> ends;
   const auto look_at = [&](std::span<const std::uint32_t> from_tip) {
@@ -82,7 +82,7 @@ std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_m
     const bool is_open = std::any_of(openings.begin(), openings.end(), [&](const Opening& opening) {
       return is_at_opening(place, radius_mm, opening);
     });
-    if (!is_open && radius_mm >= least_radius_mm)
+    if (!is_open && radius_mm >= min_radius_mm)
       ends.push_back({radius_mm, place, places_up(lines, from_tip, radius_mm)});
   };
   for (const auto& from_tip : lines_from_ends(lines)) look_at(from_tip);

@@ -150,7 +150,7 @@ class Closer {
           holes_.push_back(std::move(flat.rim));
       return true;
     }
-    return rim.is_flat() && move(kLeastAngleDeg);
+    return rim.is_flat() && move(kMinAngleDeg);
   }
   /// Where rims within one do not end in its plane, as the skins of a wall that was cut off raggedly, one
   /// plane cuts all. False if they do, or there is no such plane.
@@ -181,7 +181,7 @@ class Closer {
     const auto at =
         std::find_if(openings_.begin(), openings_.end(), [&](const Opening& o) { return o.rim == outer; });
     if (at == openings_.end()) return false;
-    const std::optional<FlatRim> moved = move_into_plane(surface_, rim, planes, kLeastAngleDeg,
+    const std::optional<FlatRim> moved = move_into_plane(surface_, rim, planes, kMinAngleDeg,
                                                          Plane{at->flat.rim.centre_mm, at->flat.rim.normal});
     if (!moved) return false;
     at->inner.push_back(moved->rim);

@@ -17,7 +17,7 @@ using CountsPoint = std::function<bool(const Vec3&)>;
 /// @param farthest  Of the triangles before.
 FarthestPoint farthest_of_triangle(const std::array<Vec3, 3>& corners, const TriangleTree& other,
                                    double step_mm, FarthestPoint farthest, const CountsPoint& counts) {
-  constexpr double kMostParts = 64;
+  constexpr double kMaxParts = 64;
   const auto look_at = [&](const Vec3& p) {
     const double distance = other.nearest(p).distance;
     if (distance > farthest.distance_mm && counts(p)) farthest = {distance, p};
@@ -25,7 +25,7 @@ FarthestPoint farthest_of_triangle(const std::array<Vec3, 3>& corners, const Tri
   for (const Vec3& corner : corners) look_at(corner);
   const Vec3 u = corners[1] - corners[0], v = corners[2] - corners[0];
   const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
-  const int parts = static_cast<int>(std::clamp(std::ceil(longest / step_mm), 1.0, kMostParts));
+  const int parts = static_cast<int>(std::clamp(std::ceil(longest / step_mm), 1.0, kMaxParts));
   for_each_part_centre(corners[0], corners[1], corners[2], parts, look_at);
   return farthest;
 }

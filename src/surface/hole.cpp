@@ -146,9 +146,9 @@ class LeastFilling {
 /// not short. False if there is no way.
 bool fill_loop(const HoleRim& hole, const std::vector<std::uint32_t>& loop, const std::vector<Vec3>& normals,
                std::vector<Cell<3>>& triangles) {
-  constexpr std::size_t kMostCorners = 200;
+  constexpr std::size_t kMaxCorners = 200;
   const std::size_t count = loop.size();
-  if (count <= kMostCorners) {
+  if (count <= kMaxCorners) {
     const std::vector<Cell<3>> found = LeastFilling(hole, loop, normals).run();
     triangles.insert(triangles.end(), found.begin(), found.end());
     return !found.empty();

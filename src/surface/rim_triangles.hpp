@@ -19,7 +19,7 @@ namespace lumesh::surfaces {
                                            std::span<const std::uint32_t> triangles);
 
 /// Angles between a surface and its cap: wanted, and such that the cap at least does not lie on the surface.
-inline constexpr double kGoodAngleDeg = 20, kLeastAngleDeg = 1;
+inline constexpr double kGoodAngleDeg = 20, kMinAngleDeg = 1;
 
 /// Whether the surface makes an angle with the rim's plane all around, so that a cap does not fold onto it.
 [[nodiscard]] bool leaves_plane_at_angle(const TriangleMesh& surface, const Rim& rim, double min_angle_deg);

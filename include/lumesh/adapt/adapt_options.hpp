@@ -33,7 +33,7 @@ enum class PointPlacement : std::uint8_t {
 struct AdaptOptions {
   double split_above = std::numbers::sqrt2;
   double collapse_below = 0.7;
-  double least_length = 0.6;
+  double min_length = 0.6;
   int quality_passes = 2;
   int smoothing_passes = 1;
   double reconnect_below = 0.6;

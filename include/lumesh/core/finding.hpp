@@ -17,20 +17,20 @@ enum class Severity : std::uint8_t {
 
 /// One kind of peculiarity, with how often and where it occurs.
 struct Finding {
-  static constexpr std::size_t kMostPlaces = 10;
+  static constexpr std::size_t kMaxPlaces = 10;
 
   std::string kind;  ///< A word for programs, such as "self_intersections".
   Severity severity = Severity::kRemark;
   std::uint64_t count = 0;
   std::string text;    ///< The same for people, to be read after the count: "pairs of triangles …".
   std::string remedy;  ///< One line; empty where nothing has to be done.
-  std::vector<Vec3> places_mm;      ///< Places of the first ones, at most kMostPlaces; may be empty.
+  std::vector<Vec3> places_mm;      ///< Places of the first ones, at most kMaxPlaces; may be empty.
   std::vector<Index3> voxels = {};  ///< Voxels of the same places in an image; else empty.
 
   /// Counts one more, and keeps its place if there is room.
   void add(const Vec3& place_mm) {
     ++count;
-    if (places_mm.size() < kMostPlaces) places_mm.push_back(place_mm);
+    if (places_mm.size() < kMaxPlaces) places_mm.push_back(place_mm);
   }
 };
 

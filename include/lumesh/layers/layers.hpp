@@ -48,7 +48,7 @@ struct LayerOptions {
   double growth = 1.2;
   double growth_rise = 1;
   int constant_layers = 5;
-  double most_growth = 1.5;
+  double max_growth = 1.5;
   int count = 0;         ///< 0: as many as the thickness asks for.
   double thickness = 0;  ///< 0: as the count makes it; neither: layers grow until they are as high as edges.
   HeightScale scale = HeightScale::kAbsolute;
@@ -96,7 +96,7 @@ struct LayerCoverage {
   double layered = 0;      ///< Share of the area with layers, however few or thin.
   /// Share of the layered area whose cells next to the surface are as high in the mean as asked for, to 2 %.
   double first_kept = 0;
-  double least_first = 0;     ///< Lowest first height over any triangle, as a share of that asked for.
+  double min_first = 0;       ///< Lowest first height over any triangle, as a share of that asked for.
   double greatest_first = 0;  ///< The highest: in creases, columns that reach one triangle overreach another.
   double wanted_mm = 0, achieved_mm = 0;  ///< Thickness, the mean over the area.
   double min_mm = 0;                      ///< Lowest thickness of its columns.

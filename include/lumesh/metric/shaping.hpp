@@ -19,7 +19,7 @@ namespace lumesh::metric {
 struct MetricLimits {
   double smallest_mm = 0;
   double largest_mm = std::numeric_limits<double>::infinity();
-  double most_aspect = std::numeric_limits<double>::infinity();
+  double max_aspect = std::numeric_limits<double>::infinity();
   double growth = 0;            ///< GradationOptions::growth; 0: sizes grow as they do.
   bool keeps_boundary = false;  ///< Near the boundary, sizes along it go over to those of its own triangles,
                                 ///< as a boundary that is not adapted wants it; before all bounds.

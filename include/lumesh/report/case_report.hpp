@@ -43,7 +43,7 @@ struct LayersOfMesh {
       {};  ///< Statistics of the tetrahedra that the layers stand on or lie around.
   quality::MeshStatistics layers = {};  ///< Statistics of the layers' own cells.
   quality::FlatCellShapes shapes = {};  ///< Shapes of the layers' own cells.
-  double least_before_deg = 180;        ///< Dihedral angle of the mesh without layers.
+  double min_before_deg = 180;          ///< Dihedral angle of the mesh without layers.
 
   /// A line with the place if the tetrahedra beside the layers have dihedral angles below 5 degrees that the
   /// mesh had not before, else none: flat cells of the input stay flat.

@@ -129,12 +129,12 @@ class LabelField {
   /// background.
   [[nodiscard]] double beyond_blocks(const Place& place, LabelIndex first, LabelIndex second) const;
   /// The least function of a label against the others of its brick.
-  [[nodiscard]] BlockRef least_block(const Place& place, LabelIndex label) const;
-  static constexpr std::size_t kMostCandidates = 64;
+  [[nodiscard]] BlockRef min_block(const Place& place, LabelIndex label) const;
+  static constexpr std::size_t kMaxCandidates = 64;
   template <class Visit>
   void for_each_corner(const Place& place, int reach, const Visit& visit) const;
   [[nodiscard]] std::size_t candidates_at(const Place& place,
-                                          std::array<LabelIndex, kMostCandidates>& found) const;
+                                          std::array<LabelIndex, kMaxCandidates>& found) const;
   /// Which of two labels that no function tells apart is nearer, by the voxels at the corners of the cells
   /// around.
   [[nodiscard]] bool is_nearer(const Place& place, LabelIndex label, LabelIndex than) const;

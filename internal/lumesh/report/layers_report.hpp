@@ -17,9 +17,9 @@ inline constexpr double kFlatDihedralDeg = 5;
 
 /// @param mesh    LayerResult::mesh, or what was read of a file of it.
 /// @param report  LayerResult::report.
-/// @param least_before_deg  Smallest dihedral angle of the mesh without layers, if that is known.
+/// @param min_before_deg  Smallest dihedral angle of the mesh without layers, if that is known.
 [[nodiscard]] LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report,
-                                          double least_before_deg = 180);
+                                          double min_before_deg = 180);
 
 /// The same of layers that were just grown, before anything else changes the mesh; takes their report.
 /// @param before  The mesh that they grew on.

@@ -21,7 +21,7 @@ struct CutMesh {
     std::string name;
     double area_mm2 = 0;
     Vec3 centre_mm = Vec3::Zero();
-    double least_angle_deg = 180;  ///< Between it and the walls at its rim, inside of the mesh.
+    double min_angle_deg = 180;  ///< Between it and the walls at its rim, inside of the mesh.
   };
   std::size_t removed = 0;        ///< Tetrahedra beyond the planes, or in part.
   std::vector<Opening> openings;  ///< That the cuts made.

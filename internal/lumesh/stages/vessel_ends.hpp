@@ -31,8 +31,8 @@ struct VesselEnd {
 
 /// Ends of centerlines that lie at no opening, by falling radius: vessels that were segmented so far only,
 /// and bulges; of lines more than twice as long as their largest radius.
-/// @param lines  With the scalar "radius" in mm. @param least_radius_mm  Thinner ones are left out.
-[[nodiscard]] std::vector<VesselEnd> vessel_ends(const Polylines& lines, double least_radius_mm,
+/// @param lines  With the scalar "radius" in mm. @param min_radius_mm  Thinner ones are left out.
+[[nodiscard]] std::vector<VesselEnd> vessel_ends(const Polylines& lines, double min_radius_mm,
                                                  std::span<const Opening> openings);
 /// Tries where the ends can be cut, one alone at a time.
 /// @param lines  Those of the ends. @param cuts  Of the image so far. @param enough  No more than so many

@@ -136,11 +136,11 @@ LabelImage image_of(const Vessel& one, const Vessel& other) {
                              [&](const Vec3& p) { return one.contains(p) || other.contains(p) ? 1 : 0; });
 }
 
-void expect_found_and_separated(const LabelImage& image, const Vec3& contact, double most_off) {
+void expect_found_and_separated(const LabelImage& image, const Vec3& contact, double max_off) {
   const std::vector<ThinPlace> places = find_thin_places(image);
   EXPECT_FALSE(has_kind(places, ThinPlace::Kind::kBridge));
   ASSERT_TRUE(has_kind(places, ThinPlace::Kind::kTouching));
-  EXPECT_LE((places.front().voxel.cast<double>() - contact).norm(), most_off);
+  EXPECT_LE((places.front().voxel.cast<double>() - contact).norm(), max_off);
   LabelImage separated = image;
   change_touching(TouchChoice::kSeparate, separated);
   EXPECT_EQ(voxel_components(separated, ComponentScope::kUnion).size(), 2U);

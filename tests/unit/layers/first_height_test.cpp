@@ -159,7 +159,7 @@ TEST(FirstHeight, IsKeptOnVesselsOfEitherKind) {
       EXPECT_GE(found.nearest, 0.94);
       const LayerCoverage& told = result.report.patches.at(0);
       EXPECT_NEAR(told.first_kept, found.kept, 0.01);
-      EXPECT_NEAR(told.least_first, found.least, 1e-6);
+      EXPECT_NEAR(told.min_first, found.least, 1e-6);
       EXPECT_GT(told.layered, 0.97);
       EXPECT_GT(told.mean_layers, 4);
       if (side == LayerSide::kOutward) continue;
@@ -213,7 +213,7 @@ TEST(FirstHeight, IsKeptOnRandomShapes) {
       if (told.layered == 0) continue;
       const FirstHeights found = first_heights_of(of_prisms.mesh, 2, first);
       EXPECT_GE(found.least, 0.95);
-      EXPECT_NEAR(told.least_first, found.least, 1e-6);
+      EXPECT_NEAR(told.min_first, found.least, 1e-6);
     }
   }
 }

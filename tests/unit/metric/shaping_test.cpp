@@ -54,7 +54,7 @@ TEST(Shaping, MeetsTheComplexityWithEveryLimitInForce) {
   for (const double complexity : {300.0, 20000.0}) {
     const double seen = shape_metric(
         mesh, wanted,
-        {.smallest_mm = 0.05, .largest_mm = 2, .most_aspect = 5, .growth = 1.5, .complexity = complexity});
+        {.smallest_mm = 0.05, .largest_mm = 2, .max_aspect = 5, .growth = 1.5, .complexity = complexity});
     EXPECT_NEAR(seen / complexity, 1, 2e-3);
     EXPECT_NEAR(seen, metric::complexity(mesh), 1e-9 * seen);
     expect_sizes_within(mesh, 0.05, 2, 5);
@@ -74,7 +74,7 @@ TEST(Shaping, ComesAsNearToTheComplexityAsBoundsLetIt) {
 TEST(Shaping, AspectShortensTheLongAxesOnly) {
   TetMesh mesh = fixtures::single_tet().build();
   const std::vector<SymTensor> wanted(4, from_sizes(Mat3::Identity(), Vec3(0.1, 0.5, 7)));
-  shape_metric(mesh, wanted, {.most_aspect = 10});
+  shape_metric(mesh, wanted, {.max_aspect = 10});
   const SymTensor expected = from_sizes(Mat3::Identity(), Vec3(0.1, 0.5, 1));
   EXPECT_LT((mesh.metric(VertexId(0)).matrix() - expected.matrix()).norm(), 1e-9);
 }
@@ -89,7 +89,7 @@ TEST(Shaping, RefusesContradictoryBounds) {
     EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
   }
   EXPECT_THROW(shape_metric(mesh, wanted, {.smallest_mm = -1}), Error);
-  EXPECT_THROW(shape_metric(mesh, wanted, {.most_aspect = 0.5}), Error);
+  EXPECT_THROW(shape_metric(mesh, wanted, {.max_aspect = 0.5}), Error);
   EXPECT_THROW(shape_metric(mesh, wanted, {.growth = 1}), Error);
 }
 
@@ -167,7 +167,7 @@ TEST(WithinLimits, HoldsSizesAndThenTheStretch) {
   const SymTensor wanted = with_sizes(0.001, 1, 1000);
   const SymTensor in_bounds = within_limits(wanted, {.smallest_mm = 0.1, .largest_mm = 10});
   EXPECT_LT((in_bounds.matrix() - with_sizes(0.1, 1, 10).matrix()).norm(), 1e-9);
-  const SymTensor round = within_limits(wanted, {.smallest_mm = 0.1, .most_aspect = 5});
+  const SymTensor round = within_limits(wanted, {.smallest_mm = 0.1, .max_aspect = 5});
   EXPECT_LT((round.matrix() - with_sizes(0.1, 0.5, 0.5).matrix()).norm(), 1e-9);
 }
 

@@ -58,7 +58,7 @@ TEST_F(WholeCase, WithoutASourceOfSizesTheFirstMeshIsTheLast) {
 TEST_F(WholeCase, AlongTheCenterlineElementsAreStretchedAlongTheRing) {
   case_.metric.source<metric::PointSource>().points = "centerline";
   case_.metric.source<metric::PointSource>().options.k = 20;
-  case_.metric.limits.most_aspect = 4;
+  case_.metric.limits.max_aspect = 4;
   case_.metric.limits.complexity = 1500;
   const CaseResult result = run();
   const quality::Evaluation& e = *result.report.stages.back().evaluation;

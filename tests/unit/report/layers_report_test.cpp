@@ -39,7 +39,7 @@ LayerReport coverage() {
   wall.mean_layers = 0.75;
   wall.all_layers = 0.625;
   wall.first_kept = 0.875;
-  wall.least_first = 0.96875;
+  wall.min_first = 0.96875;
   wall.greatest_first = 1.125;
   wall.wanted_mm = 0.1;
   wall.achieved_mm = 0.25 / 3;
@@ -93,11 +93,11 @@ TEST(LayersReport, TellsTheSameInTextJsonAndPage) {
 TEST(LayersReport, MarksCellsThatTheLayersLeftFlat) {
   MixedMesh mesh = layered_tetrahedron();
   mesh.points[3] = {0.3, 0.3, -0.02};  // Dihedral angles at its base of about atan(0.02 / 0.3).
-  const double least_deg = std::atan(0.02 / 0.3) * 180 / M_PI;
+  const double min_deg = std::atan(0.02 / 0.3) * 180 / M_PI;
   const LayersOfMesh layers = measure_layers(mesh.view(), coverage(), 30);
   const std::string line = layers.flat_cells_beside();
   EXPECT_NE(line.find("the smallest 3.8 at (0.3, 0.3, -0.0) mm"), std::string::npos) << line;
-  EXPECT_NEAR(layers.core.tetrahedra.smallest_dihedral_deg.value, least_deg, 0.01);
+  EXPECT_NEAR(layers.core.tetrahedra.smallest_dihedral_deg.value, min_deg, 0.01);
   const LayerPictures pictures = draw_layer_shares(layers.report.surface, {.width = 80});
   const std::string html = layers_html("a", layers, pictures, {});
   EXPECT_NE(html.find(line), std::string::npos);
@@ -107,7 +107,7 @@ TEST(LayersReport, MarksCellsThatTheLayersLeftFlat) {
   report.stages[0].evaluation.emplace();
   report.stages[0].layers = layers;
   EXPECT_EQ(case_report_html(report).find("<span class=\"badge\">complete"), std::string::npos);
-  report.stages[0].layers->least_before_deg = 2;  // They were as flat before.
+  report.stages[0].layers->min_before_deg = 2;  // They were as flat before.
   EXPECT_EQ(report.stages[0].layers->flat_cells_beside(), "");
   EXPECT_NE(case_report_html(report).find("<span class=\"badge\">complete"), std::string::npos);
 }

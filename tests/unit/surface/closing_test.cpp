@@ -111,7 +111,7 @@ TEST(Closing, TurnedInsideOutOrAtRandomMakesNoDifference) {
 
 struct BentEnd {
   const char* name;
-  double most_cut_off_mm;  // Of a tube of radius 3.
+  double max_cut_off_mm;  // Of a tube of radius 3.
   std::function<double(std::uint32_t)> by_mm;
 };
 void PrintTo(const BentEnd& end, std::ostream* out) {
@@ -127,7 +127,7 @@ TEST_P(BentEnds, AreCutBackToTheSectionOfTheTube) {
   const ClosedRim& end = upper(made);
   const double circle = 0.5 * 48 * 9 * std::sin(2 * kPi / 48);
   EXPECT_NEAR(end.area_mm2 * std::abs(end.normal.z()), circle, 0.01 * circle);
-  EXPECT_LE(end.cut_off_mm, GetParam().most_cut_off_mm);
+  EXPECT_LE(end.cut_off_mm, GetParam().max_cut_off_mm);
   EXPECT_GT(end.smallest_angle_deg, 10);
 }
 
