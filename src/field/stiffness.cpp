@@ -27,6 +27,9 @@ const float kLogHold = std::log2(kHold);
 constexpr float kGain = 0.5F;  // to what share the violation has to fall for a step to have paid
 constexpr float kMinNoise = 0.001F, kMaxNoise = 0.03F;  // mean violations that may be noise
 constexpr float kBeyondNoise = 0.0375F;  // what has been taken for noise and comes to violate more is none
+// Nor is what violates sides by more than this in one direction, by these shares of both directions, in the
+// mean over the narrow and the wide window: a stenosis or a bulge that was ironed out.
+constexpr float kOneWay = 0.008F, kOneWayNarrow = 0.8F, kOneWayWide = 0.5F;
 constexpr float kTurning = 0.05F;    // least eigenvalue of the mean of n n^T at ends and corners; 0 on tubes
 constexpr float kThinShare = 0.05F;  // windows with more thin voxels than this are not judged
 constexpr float kNoiseHold =
@@ -152,15 +155,25 @@ struct StiffnessLoops {
             mask_of(taken[at]) ? load(a.last_logarithm_.at(s)) : load(a.logarithm_.at(s)));
     }
   }
-  /// Unlocks where sides are violated by more than noise does, and softens by three steps; one more follows.
-  static LUMESH_WIDE_LOOPS void unlock(StiffnessAdaptation& a, const LaneArray& wrong_sums, int begin,
-                                       int end, Bits& unlocked) {
+  /// Windows of violations at all voxels and at the boundary, with and without their sign.
+  struct ViolationSums {
+    const LaneArray& all_wide;
+    const LaneArray& signed_wide;
+    const LaneArray& unsigned_narrow;
+  };
+  /// Unlocks where sides are violated by more than noise does, or in one direction, and softens by three
+  /// steps; one more follows.
+  static LUMESH_WIDE_LOOPS void unlock(StiffnessAdaptation& a, const ViolationSums& sums, int begin, int end,
+                                       Bits& unlocked) {
     for (int s = begin; s < end; ++s) {
       const auto at = static_cast<std::size_t>(s);
-      const Lanes boundary = load(a.boundary_wide_.at(s));
-      const LaneMask too_much =
-          (boundary > Lanes{} + kTiny) & (load(wrong_sums.at(s)) > kBeyondNoise * boundary);
-      unlocked[at] = static_cast<std::uint8_t>(bits_of(too_much) & a.locked_[at]);
+      const Lanes narrow = load(a.boundary_narrow_.at(s)), wide = load(a.boundary_wide_.at(s));
+      const Lanes wrong = load(sums.all_wide.at(s)), one_way = size_of(load(a.wrong_sum_.at(s)));
+      const LaneMask too_much = (wide > Lanes{} + kTiny) & (wrong > kBeyondNoise * wide);
+      const LaneMask ironed_out = (narrow > Lanes{} + kTiny) & (one_way > kOneWay * narrow) &
+                                  (one_way > kOneWayNarrow * load(sums.unsigned_narrow.at(s))) &
+                                  (size_of(load(sums.signed_wide.at(s))) > kOneWayWide * wrong);
+      unlocked[at] = static_cast<std::uint8_t>(bits_of(too_much | ironed_out) & a.locked_[at]);
       a.locked_[at] = static_cast<std::uint8_t>(a.locked_[at] & ~unlocked[at]);
       a.beyond_noise_[at] = static_cast<std::uint8_t>(a.beyond_noise_[at] | unlocked[at]);
       const Lanes old = load(a.logarithm_.at(s)), lower = old - 3 * kStep;
@@ -368,16 +381,23 @@ bool StiffnessAdaptation::update(Step step, FitState& state) {
   return softened || took_back || unlocked;
 }
 
-/// A crease, as between two vessels side by side, is ironed out like noise where a step of softening falls
-/// short of it, and then violates more and more.
+/// A crease, as between two vessels side by side, or a stenosis is ironed out like noise where a step of
+/// softening falls short of it. Then it violates more and more, or in one direction all around.
 bool StiffnessAdaptation::unlock(FitState& state) {
   if (!has_any(locked_)) return false;
-  const int end = state.band.end();
-  scratch_ = wrong_;
-  state.levels.sum_over_window(scratch_, Window::kWide, scratch_);
-  Bits unlocked(state.band.segment_count(), 0);
-  for_each_segment_block(
-      end, [&](int begin, int last) { StiffnessLoops::unlock(*this, scratch_, begin, last, unlocked); });
+  const Band& band = state.band;
+  LaneArray &all_wide = scratch_, &signed_wide = more_, &unsigned_narrow = other_;
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    StiffnessLoops::violations(state, turning_, thin_around_, begin, end, all_wide, signed_wide);
+    StiffnessLoops::sizes(band, all_wide, begin, end, unsigned_narrow);
+  });
+  state.levels.sum_over_window(all_wide, Window::kWide, all_wide);
+  state.levels.sum_over_window(signed_wide, Window::kWide, signed_wide);
+  state.levels.sum_over_window(unsigned_narrow, Window::kNarrow, unsigned_narrow);
+  Bits unlocked(band.segment_count(), 0);
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    StiffnessLoops::unlock(*this, {all_wide, signed_wide, unsigned_narrow}, begin, end, unlocked);
+  });
   return has_any(unlocked);
 }
 
