@@ -9,6 +9,7 @@
 
 #include "extension_plan.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/field/continuation.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -16,18 +17,7 @@
 namespace lumesh {
 namespace {
 
-/// Indices of an image's voxels, both corners included.
-struct IndexBox {
-  Index3 low, high;
-
-  [[nodiscard]] bool meets(const IndexBox& other) const {
-    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
-  }
-  [[nodiscard]] bool holds(const IndexBox& other) const {
-    return (low.array() <= other.low.array()).all() && (other.high.array() <= high.array()).all();
-  }
-};
-
+/// Indices of an image's voxels.
 IndexBox index_box(const ImageFrame& frame, const Box3& box_mm, int margin) {
   const Box3 voxels = voxel_box(frame, box_mm);
   return {voxels.min().array().floor().cast<int>().matrix() - Index3::Constant(margin),

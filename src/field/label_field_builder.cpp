@@ -60,14 +60,11 @@ class LabelFieldBuilder {
     return pairs;
   }
 
-  struct BrickBox {
-    Index3 low, high;
-  };
   /// Bricks that a face is nearer to than kFieldLimit, so that elsewhere a place is at least that far from
   /// every boundary.
-  BrickBox bricks_of(const Face& face) const {
+  IndexBox bricks_of(const Face& face) const {
     const Index3 next = face.voxel + Index3::Unit(face.axis);
-    BrickBox box;
+    IndexBox box;
     for (int axis = 0; axis < 3; ++axis) {
       constexpr int kReach = 3;
       const int least = next[axis] - LabelField::kFirst - kBrick - kReach;
@@ -109,7 +106,7 @@ class LabelFieldBuilder {
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
       std::vector<std::uint32_t>& bricks = bricks_of_pair_[p];
       for (const Face& face : pairs_[p].faces) {
-        const BrickBox box = bricks_of(face);
+        const IndexBox box = bricks_of(face);
         for_each_place(box.low, box.high, [&](const Index3& brick) {
           const auto b = static_cast<std::uint32_t>(f_.brick_offset(brick));
           near[b] = 1;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lumesh/core/assert.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/sum.hpp"
 
@@ -124,11 +125,10 @@ class CrossingScan {
   Eigen::Matrix<std::size_t, 3, 1> size_;
 };
 
-/// The whole of find_crossings(); here since a function of a template with external linkage may not hold in
-/// its lambdas what has internal linkage.
 template <class Value>
 CrossingCounts scan_image(std::span<const Value> values, const ObjectValues& object, LabelImage& image,
                           Interpolation interpolation) {
+  LUMESH_ASSERT(values.size() == image.voxels().size());
   const CrossingScan<Value> scan(values, object, image, interpolation);
   std::vector<FacesFound> found((scan.rows() + kRowsPerBlock - 1) / kRowsPerBlock);
   image.crossings() = parallel::collect_blocks<FaceCrossing>(
@@ -151,45 +151,29 @@ CrossingCounts scan_image(std::span<const Value> values, const ObjectValues& obj
 
 }  // namespace
 
-template <class Value>
-CrossingCounts find_crossings(std::span<const Value> values, const ObjectValues& object, LabelImage& image,
+CrossingCounts find_crossings(const VoxelValues& values, const ObjectValues& object, LabelImage& image,
                               Interpolation interpolation) {
-  LUMESH_ASSERT(values.size() == image.voxels().size());
-  return scan_image(values, object, image, interpolation);
+  return std::visit([&](const auto& typed) { return scan_image(typed, object, image, interpolation); },
+                    values);
 }
 
-template <class Value>
-using Span = std::span<const Value>;
-template CrossingCounts find_crossings(Span<std::uint8_t>, const ObjectValues&, LabelImage&, Interpolation);
-template CrossingCounts find_crossings(Span<std::int8_t>, const ObjectValues&, LabelImage&, Interpolation);
-template CrossingCounts find_crossings(Span<std::uint16_t>, const ObjectValues&, LabelImage&, Interpolation);
-template CrossingCounts find_crossings(Span<std::int16_t>, const ObjectValues&, LabelImage&, Interpolation);
-template CrossingCounts find_crossings(Span<std::uint32_t>, const ObjectValues&, LabelImage&, Interpolation);
-template CrossingCounts find_crossings(Span<std::int32_t>, const ObjectValues&, LabelImage&, Interpolation);
-template CrossingCounts find_crossings(Span<std::uint64_t>, const ObjectValues&, LabelImage&, Interpolation);
-template CrossingCounts find_crossings(Span<std::int64_t>, const ObjectValues&, LabelImage&, Interpolation);
-template CrossingCounts find_crossings(Span<float>, const ObjectValues&, LabelImage&, Interpolation);
-template CrossingCounts find_crossings(Span<double>, const ObjectValues&, LabelImage&, Interpolation);
-
 CrossingCounts count_crossings(const LabelImage& image) {
-  const Eigen::Matrix<std::size_t, 3, 1> size = image.frame().size.cast<std::size_t>();
-  const std::array<std::size_t, 3> step = {1, size.x(), size.x() * size.y()};
-  const auto is_face = [&](std::size_t voxel, std::size_t axis) {
-    return (image.voxels()[voxel] != 0) != (image.voxels()[voxel + step[axis]] != 0);
+  const Index3& size = image.frame().size;
+  const auto is_face = [&](std::size_t voxel, std::size_t next) {
+    return (image.voxels()[voxel] != 0) != (image.voxels()[next] != 0);
   };
   CrossingCounts counts;
-  counts.faces = parallel::sum<std::size_t>(size.y() * size.z(), kRowsPerBlock, [&](std::size_t row) {
-    const std::array<std::size_t, 3> last = {size.x() - 1, row % size.y() + 1 < size.y() ? size.x() : 0,
-                                             row / size.y() + 1 < size.z() ? size.x() : 0};
+  counts.faces = parallel::sum<std::size_t>(grid_row_count(size), kRowsPerBlock, [&](std::size_t row) {
     std::size_t faces = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      for (std::size_t x = 0; x < last[axis]; ++x)
-        faces += static_cast<std::size_t>(is_face(row * size.x() + x, axis));
+    for_each_step_from_row(size, row, [&](std::size_t voxel, std::size_t next, std::size_t) {
+      faces += static_cast<std::size_t>(is_face(voxel, next));
+    });
     return faces;
   });
   counts.crossed = static_cast<std::size_t>(
-      std::count_if(image.crossings().begin(), image.crossings().end(),
-                    [&](const FaceCrossing& c) { return is_face(c.voxel, c.axis); }));
+      std::count_if(image.crossings().begin(), image.crossings().end(), [&](const FaceCrossing& c) {
+        return is_face(c.voxel, c.voxel + grid_offset(size, Index3::Unit(c.axis)));
+      }));
   return counts;
 }
 

@@ -30,6 +30,25 @@ GreyValues visit_finite(std::span<const Value> values, const Visit& visit) {
       sum);
 }
 
+template <class Value>
+GreyValues grey_values_of(std::span<const Value> values) {
+  const GreyValues range = visit_finite(values, [](GreyValues& result, double value) {
+    result.least = std::min(result.least, value);
+    result.most = std::max(result.most, value);
+    ++result.count;
+  });
+  const double per_bin_wanted =
+      range.most > range.least ? static_cast<double>(GreyValues::kBins) / (range.most - range.least) : 0;
+  const double per_bin = std::isfinite(per_bin_wanted) ? per_bin_wanted : 0;
+  GreyValues result = visit_finite(values, [&](GreyValues& block, double value) {
+    ++block.bins[std::min(GreyValues::kBins - 1, static_cast<std::size_t>((value - range.least) * per_bin))];
+  });
+  result.least = range.least;
+  result.most = range.most;
+  result.count = range.count;
+  return result;
+}
+
 }  // namespace
 
 double GreyValues::otsu_threshold() const {
@@ -58,34 +77,8 @@ double GreyValues::share_from(double value) const {
   return static_cast<double>(from) / static_cast<double>(count);
 }
 
-template <class Value>
-GreyValues grey_values(std::span<const Value> values) {
-  const GreyValues range = visit_finite(values, [](GreyValues& result, double value) {
-    result.least = std::min(result.least, value);
-    result.most = std::max(result.most, value);
-    ++result.count;
-  });
-  const double per_bin_wanted =
-      range.most > range.least ? static_cast<double>(GreyValues::kBins) / (range.most - range.least) : 0;
-  const double per_bin = std::isfinite(per_bin_wanted) ? per_bin_wanted : 0;
-  GreyValues result = visit_finite(values, [&](GreyValues& block, double value) {
-    ++block.bins[std::min(GreyValues::kBins - 1, static_cast<std::size_t>((value - range.least) * per_bin))];
-  });
-  result.least = range.least;
-  result.most = range.most;
-  result.count = range.count;
-  return result;
+GreyValues grey_values(const VoxelValues& values) {
+  return std::visit([](const auto& typed) { return grey_values_of(typed); }, values);
 }
-
-template GreyValues grey_values(std::span<const std::uint8_t>);
-template GreyValues grey_values(std::span<const std::int8_t>);
-template GreyValues grey_values(std::span<const std::uint16_t>);
-template GreyValues grey_values(std::span<const std::int16_t>);
-template GreyValues grey_values(std::span<const std::uint32_t>);
-template GreyValues grey_values(std::span<const std::int32_t>);
-template GreyValues grey_values(std::span<const std::uint64_t>);
-template GreyValues grey_values(std::span<const std::int64_t>);
-template GreyValues grey_values(std::span<const float>);
-template GreyValues grey_values(std::span<const double>);
 
 }  // namespace lumesh

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "file_fault.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/image/grey_values.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -177,30 +178,18 @@ bool neighbours_mostly_differ(const LabelImage& image) {
   struct Pairs {
     std::array<std::size_t, 3> all = {}, different = {};
   };
-  const Eigen::Matrix<std::size_t, 3, 1> size = image.frame().size.cast<std::size_t>();
-  const std::array<std::size_t, 3> step = {1, size.x(), size.x() * size.y()};
-  const Pairs pairs = parallel::reduce_blocks(
-      size.y() * size.z(), 256, Pairs{},
-      [&](std::size_t begin, std::size_t end) {
-        Pairs block;
-        for (std::size_t row = begin; row < end; ++row) {
-          const std::array<std::size_t, 3> last = {size.x() - 1, row % size.y() + 1 < size.y() ? size.x() : 0,
-                                                   row / size.y() + 1 < size.z() ? size.x() : 0};
-          for (std::size_t axis = 0; axis < 3; ++axis)
-            for (std::size_t i = row * size.x(); i < row * size.x() + last[axis]; ++i) {
-              const LabelImage::Index a = image.voxels()[i], b = image.voxels()[i + step[axis]];
-              block.all[axis] += static_cast<std::size_t>(a != 0 && b != 0);
-              block.different[axis] += static_cast<std::size_t>(a != 0 && b != 0 && a != b);
-            }
-        }
-        return block;
+  const Index3& size = image.frame().size;
+  const Pairs pairs = parallel::reduce(
+      grid_row_count(size), 256, Pairs{},
+      [&](Pairs& block, std::size_t row) {
+        for_each_step_from_row(size, row, [&](std::size_t i, std::size_t next, std::size_t axis) {
+          const LabelImage::Index a = image.voxels()[i], b = image.voxels()[next];
+          block.all[axis] += static_cast<std::size_t>(a != 0 && b != 0);
+          block.different[axis] += static_cast<std::size_t>(a != 0 && b != 0 && a != b);
+        });
       },
-      [](Pairs a, const Pairs& b) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          a.all[axis] += b.all[axis];
-          a.different[axis] += b.different[axis];
-        }
-        return a;
+      [](const Pairs& a, const Pairs& b) {
+        return Pairs{parallel::AddEach()(a.all, b.all), parallel::AddEach()(a.different, b.different)};
       });
   int axes = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) axes += 2 * pairs.different[axis] > pairs.all[axis] ? 1 : 0;

@@ -62,7 +62,7 @@ void SizeGrid::note_opening(const Opening& opening) {
   const double perimeter_mm = opening.perimeter_mm(), width_mm = 4 * opening.area_mm2 / perimeter_mm;
   const int level = level_for(std::min(kOfShare * perimeter_mm / kEdgesAround, kOfWidth * width_mm));
   const Box3 voxels = voxel_box(image_.frame(), opening.box_mm);
-  const CellBox box = cells_between(voxels.min(), voxels.max());
+  const IndexBox box = cells_between(voxels.min(), voxels.max());
   for_each_place(box.low, box.high, [&](const Index3& place) {
     std::uint8_t& cell = wanted_[cell_number(place)];
     if (cell != 0) cell = static_cast<std::uint8_t>(std::max<int>(cell & ~kFirm, level + 1) | (cell & kFirm));
@@ -223,14 +223,14 @@ double SizeGrid::shortest_run_mm(const Index3& voxel, LabelImage::Index label, d
   return shortest_mm;
 }
 
-SizeGrid::CellBox SizeGrid::cells_around(const Vec3& point_mm, double radius_mm) const {
+IndexBox SizeGrid::cells_around(const Vec3& point_mm, double radius_mm) const {
   const Vec3 centre = image_.frame().to_index(point_mm);
   const Vec3 radius = radius_mm * image_.frame().spacing_mm.cwiseInverse();
   return cells_between(centre - radius, centre + radius);
 }
 
-SizeGrid::CellBox SizeGrid::cells_between(const Vec3& low, const Vec3& high) const {
-  CellBox box;
+IndexBox SizeGrid::cells_between(const Vec3& low, const Vec3& high) const {
+  IndexBox box;
   for (int axis = 0; axis < 3; ++axis) {
     const auto cell = [&](double at) {
       return std::clamp(static_cast<int>(std::floor(at / kCell)), 0, cells_[axis] - 1);
@@ -241,30 +241,29 @@ SizeGrid::CellBox SizeGrid::cells_between(const Vec3& low, const Vec3& high) con
   return box;
 }
 
-int SizeGrid::level_wanted(const Vec3& point_mm, double radius_mm) const {
-  const CellBox box = cells_around(point_mm, radius_mm);
-  std::uint8_t most = 0;
-  for (int k = box.low.z(); k <= box.high.z(); ++k) {
+template <class IsFound>
+bool SizeGrid::any_cell(const IndexBox& box, const IsFound& is_found) const {
+  for (int k = box.low.z(); k <= box.high.z(); ++k)
     for (int j = box.low.y(); j <= box.high.y(); ++j) {
-      const std::uint8_t* cells = row(j, k);
-      for (int i = box.low.x(); i <= box.high.x(); ++i) most = std::max(most, cells[i]);
+      const std::uint8_t* const row = &wanted_[cell_number({0, j, k})];
+      if (std::any_of(row + box.low.x(), row + box.high.x() + 1, is_found)) return true;
     }
-  }
+  return false;
+}
+
+int SizeGrid::level_wanted(const Vec3& point_mm, double radius_mm) const {
+  std::uint8_t most = 0;
+  any_cell(cells_around(point_mm, radius_mm), [&](std::uint8_t cell) {
+    most = std::max(most, cell);
+    return false;
+  });
   return static_cast<int>(most) - 1;
 }
 
 bool SizeGrid::boundary_within(const Vec3& point_mm, double radius_mm) const {
   // The grid knows the voxels at boundaries; the domain's boundary is hardly ever more than one farther out.
-  const CellBox box = cells_around(point_mm, radius_mm + image_.frame().spacing_mm.minCoeff());
-  for (int k = box.low.z(); k <= box.high.z(); ++k) {
-    for (int j = box.low.y(); j <= box.high.y(); ++j) {
-      const std::uint8_t* cells = row(j, k);
-      for (int i = box.low.x(); i <= box.high.x(); ++i) {
-        if (cells[i] != 0) return true;
-      }
-    }
-  }
-  return false;
+  return any_cell(cells_around(point_mm, radius_mm + image_.frame().spacing_mm.minCoeff()),
+                  [](std::uint8_t cell) { return cell != 0; });
 }
 
 double boundary_spacing_mm(const LatticeOptions& options, const ImageDomain& domain) {

@@ -32,13 +32,12 @@ class SizeGrid {
   [[nodiscard]] bool boundary_within(const Vec3& point_mm, double radius_mm) const;
 
  private:
-  struct CellBox {
-    Index3 low, high;
-  };
-  [[nodiscard]] CellBox cells_around(const Vec3& point_mm, double radius_mm) const;
-  [[nodiscard]] CellBox cells_between(const Vec3& low, const Vec3& high) const;  ///< In voxels.
+  [[nodiscard]] IndexBox cells_around(const Vec3& point_mm, double radius_mm) const;
+  [[nodiscard]] IndexBox cells_between(const Vec3& low, const Vec3& high) const;  ///< In voxels.
   [[nodiscard]] std::size_t cell_number(const Index3& cell) const { return grid_offset(cells_, cell); }
-  [[nodiscard]] const std::uint8_t* row(int j, int k) const { return &wanted_[cell_number({0, j, k})]; }
+  /// Whether is_found(cell) is true for one of the wanted cells of a box.
+  template <class IsFound>
+  bool any_cell(const IndexBox& box, const IsFound& is_found) const;
   static constexpr int kCell = 2;
   static constexpr std::uint8_t kFirm =
       0x80;  // flag: wanted by a label with a fidelity of its own, never given up

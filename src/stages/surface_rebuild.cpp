@@ -47,7 +47,7 @@ class GivenSurface {
     });
     parallel::for_each_index(depths.size(),
                              [&](std::size_t i) { image.voxels()[i] = depths[i] > 0 ? 1 : 0; });
-    (void)find_crossings<float>(depths, 0.0, image);
+    (void)find_crossings(depths, 0.0, image);
     return image;
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Places of grids: their numbers, the first index fastest, and loops over boxes of them.
 
+#include <array>
 #include <cstddef>
 
 #include "lumesh/core/types.hpp"
@@ -35,6 +36,30 @@ namespace lumesh {
   const auto y = static_cast<std::size_t>(size.y());
   return {0, static_cast<int>(row % y), static_cast<int>(row / y)};
 }
+
+/// Calls visit(place, next, axis) for the numbers of two places next to each other along an axis, the first
+/// of them in a row.
+template <class Visit>
+void for_each_step_from_row(const Index3& size, std::size_t row, const Visit& visit) {
+  const auto x = static_cast<std::size_t>(size.x()), y = static_cast<std::size_t>(size.y());
+  const std::array<std::size_t, 3> steps = {1, x, x * y};
+  const std::array<std::size_t, 3> counts = {x - 1, row % y + 1 < y ? x : 0,
+                                             row + y < grid_row_count(size) ? x : 0};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t i = row * x; i < row * x + counts[axis]; ++i) visit(i, i + steps[axis], axis);
+}
+
+/// Places of a grid, both corners included.
+struct IndexBox {
+  Index3 low, high;
+
+  [[nodiscard]] bool meets(const IndexBox& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+  [[nodiscard]] bool holds(const IndexBox& other) const {
+    return (low.array() <= other.low.array()).all() && (other.high.array() <= high.array()).all();
+  }
+};
 
 /// Calls visit(place) for the places of a box, `high` included, in the order of their numbers.
 template <class Visit>

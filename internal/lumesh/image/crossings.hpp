@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 
+#include "lumesh/image/grey_values.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
@@ -39,8 +39,7 @@ enum class Interpolation : std::uint8_t {
 /// Faces whose values are against the labels, or infinite or NaN, get none.
 /// @param values  One for each voxel, in their order.
 /// Cost: one pass over the image. Threads: same result for every number of them.
-template <class Value>
-CrossingCounts find_crossings(std::span<const Value> values, const ObjectValues& object, LabelImage& image,
+CrossingCounts find_crossings(const VoxelValues& values, const ObjectValues& object, LabelImage& image,
                               Interpolation interpolation = Interpolation::kLinear);
 
 /// The faces of an image and those of which it knows the crossing; the rest stays as it is. Cost: one pass.

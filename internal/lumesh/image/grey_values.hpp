@@ -3,10 +3,18 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
+#include <variant>
 
 namespace lumesh {
+
+/// The values of an image, in one of the types that image files have.
+template <class... Values>
+using SpanOfOneOf = std::variant<std::span<const Values>...>;
+using VoxelValues = SpanOfOneOf<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t,
+                                std::int32_t, std::uint64_t, std::int64_t, float, double>;
 
 /// How often which values occur; those that are not finite are left out.
 struct GreyValues {
@@ -26,7 +34,6 @@ struct GreyValues {
 };
 
 /// Two passes over the values. Threads: same result for every number of them.
-template <class Value>
-[[nodiscard]] GreyValues grey_values(std::span<const Value> values);
+[[nodiscard]] GreyValues grey_values(const VoxelValues& values);
 
 }  // namespace lumesh
