@@ -81,20 +81,16 @@ struct ClassValues {
 
 template <class Value>
 ClassValues class_values(std::span<const Value> values, std::size_t voxels, std::size_t volumes) {
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       voxels, kSourceVoxelsPerBlock, ClassValues{},
-      [&](std::size_t begin, std::size_t end) {
-        ClassValues found;
-        for (std::size_t v = begin; v < end; ++v) {
-          double sum = 0;
-          for (std::size_t n = 0; n < volumes; ++n) {
-            const auto value = static_cast<double>(values[n * voxels + v]);
-            found.are_probabilities &= value >= -kRounding && value <= 1 + kRounding;
-            sum += value;
-          }
-          found.add_up_to_one &= std::abs(sum - 1) <= kSumRounding;
+      [&](ClassValues& found, std::size_t v) {
+        double sum = 0;
+        for (std::size_t n = 0; n < volumes; ++n) {
+          const auto value = static_cast<double>(values[n * voxels + v]);
+          found.are_probabilities &= value >= -kRounding && value <= 1 + kRounding;
+          sum += value;
         }
-        return found;
+        found.add_up_to_one &= std::abs(sum - 1) <= kSumRounding;
       },
       [](const ClassValues& a, const ClassValues& b) {
         return ClassValues{a.are_probabilities && b.are_probabilities, a.add_up_to_one && b.add_up_to_one};
@@ -157,16 +153,12 @@ void warn_of_nan(NanVoxels what, const fs::path& path, const Context& context, R
     std::size_t count = 0, first = std::numeric_limits<std::size_t>::max();
   };
   const Found found = visit_voxels(raw, [&](auto voxels) {
-    return parallel::reduce_blocks(
+    return parallel::reduce(
         voxels.size(), kSourceVoxelsPerBlock, Found{},
-        [&](std::size_t begin, std::size_t end) {
-          Found block;
-          for (std::size_t v = begin; v < end; ++v) {
-            if (!std::isnan(static_cast<double>(voxels[v]))) continue;
-            ++block.count;
-            block.first = std::min(block.first, v);
-          }
-          return block;
+        [&](Found& block, std::size_t v) {
+          if (!std::isnan(static_cast<double>(voxels[v]))) return;
+          ++block.count;
+          block.first = std::min(block.first, v);
         },
         [](const Found& a, const Found& b) {
           return Found{a.count + b.count, std::min(a.first, b.first)};

@@ -9,7 +9,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/image/grey_values.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -94,13 +94,9 @@ class SlopeScan {
 template <class Value>
 SlopeCounts slopes_where_signs_change(std::span<const Value> values, const ImageFrame& frame) {
   const SlopeScan<Value> scan(values, frame);
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       scan.rows(), kRowsPerBlock, SlopeCounts{},
-      [&](std::size_t begin, std::size_t end) {
-        SlopeCounts found;
-        for (std::size_t row = begin; row < end; ++row) scan.scan_row(row, found);
-        return found;
-      },
+      [&](SlopeCounts& found, std::size_t row) { scan.scan_row(row, found); },
       [](SlopeCounts a, const SlopeCounts& b) {
         a.add(b);
         return a;
@@ -115,25 +111,21 @@ struct SignCounts {
 template <class Value>
 SignCounts count_signs(std::span<const Value> values, const ImageFrame& frame) {
   const auto size = frame.size.cast<std::size_t>().eval();
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       size.y() * size.z(), kRowsPerBlock, SignCounts{},
-      [&](std::size_t begin, std::size_t end) {
-        SignCounts found;
-        for (std::size_t row = begin; row < end; ++row) {
-          const std::size_t y = row % size.y(), z = row / size.y();
-          const bool row_is_at_border = y == 0 || z == 0 || y + 1 == size.y() || z + 1 == size.z();
-          for (std::size_t x = 0; x < size.x(); ++x) {
-            const Value value = values[row * size.x() + x];
-            if (std::isnan(static_cast<double>(value))) continue;
-            const std::size_t negative = value < 0 ? 1 : 0;
-            const std::size_t at_border = row_is_at_border || x == 0 || x + 1 == size.x() ? 1 : 0;
-            found.negative += negative;
-            ++found.all;
-            found.negative_at_border += negative * at_border;
-            found.all_at_border += at_border;
-          }
+      [&](SignCounts& found, std::size_t row) {
+        const std::size_t y = row % size.y(), z = row / size.y();
+        const bool row_is_at_border = y == 0 || z == 0 || y + 1 == size.y() || z + 1 == size.z();
+        for (std::size_t x = 0; x < size.x(); ++x) {
+          const Value value = values[row * size.x() + x];
+          if (std::isnan(static_cast<double>(value))) continue;
+          const std::size_t negative = value < 0 ? 1 : 0;
+          const std::size_t at_border = row_is_at_border || x == 0 || x + 1 == size.x() ? 1 : 0;
+          found.negative += negative;
+          ++found.all;
+          found.negative_at_border += negative * at_border;
+          found.all_at_border += at_border;
         }
-        return found;
       },
       [](const SignCounts& a, const SignCounts& b) {
         return SignCounts{a.negative + b.negative, a.all + b.all, a.negative_at_border + b.negative_at_border,

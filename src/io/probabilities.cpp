@@ -8,7 +8,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/image/crossings.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 #include "raw_image.hpp"
 
 namespace lumesh::io {
@@ -33,17 +33,13 @@ struct ValueRange {
 
 template <class Value>
 ValueRange range_of(std::span<const Value> values) {
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       values.size(), kValuesPerBlock, ValueRange{},
-      [&](std::size_t begin, std::size_t end) {
-        ValueRange range;
-        for (std::size_t i = begin; i < end; ++i) {
-          const auto value = static_cast<double>(values[i]);
-          range.fractional |= std::trunc(value) != value && !std::isnan(value);
-          range.least = value < range.least ? value : range.least;
-          range.most = value > range.most ? value : range.most;
-        }
-        return range;
+      [&](ValueRange& range, std::size_t i) {
+        const auto value = static_cast<double>(values[i]);
+        range.fractional |= std::trunc(value) != value && !std::isnan(value);
+        range.least = value < range.least ? value : range.least;
+        range.most = value > range.most ? value : range.most;
       },
       [](const ValueRange& a, const ValueRange& b) {
         return ValueRange{std::min(a.least, b.least), std::max(a.most, b.most), a.fractional || b.fractional};

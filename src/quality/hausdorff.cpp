@@ -5,6 +5,8 @@
 
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
+#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 #include "nearby.hpp"
 #include "on_planes.hpp"
 #include "samples.hpp"
@@ -121,15 +123,9 @@ void compare_points(const Scene& scene, const std::vector<Vec3>& vertices, std::
       });
   for (const WeightedValue& v : to_vertices)
     result.voxels_to_vertices_mm = std::max(result.voxels_to_vertices_mm, v.value);
-  result.vertices_to_voxels_mm = parallel::reduce_blocks(
-      vertices.size(), 1024, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        double largest = 0;
-        for (std::size_t i = begin; i < end; ++i)
-          largest = std::max(largest, voxel_tree.distance(along_axes(scene.image.frame(), vertices[i])));
-        return largest;
-      },
-      [](double a, double b) { return std::max(a, b); });
+  result.vertices_to_voxels_mm = parallel::max_of(vertices.size(), 1024, 0.0, [&](std::size_t i) {
+    return voxel_tree.distance(along_axes(scene.image.frame(), vertices[i]));
+  });
   result.vertex_to_voxel_two_sided_mm = std::max(result.vertices_to_voxels_mm, result.voxels_to_vertices_mm);
 }
 

@@ -11,7 +11,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/mesh/cell_corners.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::quality {
 namespace {
@@ -137,14 +137,9 @@ FlatCellShapes measure_flat_cells(const MeshView& mesh) {
   const std::size_t count = mesh.tetrahedra.size() + mesh.pyramids.size() + mesh.prisms.size();
   if (count == 0) return {};
   const AllCells cells(mesh);
-  FlatTally tally = parallel::reduce_blocks(
+  FlatTally tally = parallel::reduce(
       count, kBlockOfCells, FlatTally(),
-      [&](std::size_t begin, std::size_t end) {
-        FlatTally part;
-        for (std::size_t i = begin; i < end; ++i) add_cell(mesh, cells, i, part);
-        return part;
-      },
-      together);
+      [&](FlatTally& part, std::size_t i) { add_cell(mesh, cells, i, part); }, together);
   tally.shapes.mean_aspect /= static_cast<double>(std::max<std::uint64_t>(1, tally.with_aspect));
   return tally.shapes;
 }

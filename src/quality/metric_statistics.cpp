@@ -51,20 +51,16 @@ VertexMetrics take_logarithms(const MeshView& mesh, const CornersByVertex& corne
   VertexMetrics result;
   result.log.resize(mesh.points.size());
   result.density.resize(mesh.points.size());
-  const Refused refused = parallel::reduce_blocks(
+  const Refused refused = parallel::reduce(
       mesh.points.size(), kVertexBlock, Refused(),
-      [&](std::size_t begin, std::size_t end) {
-        Refused part;
-        for (std::size_t v = begin; v < end; ++v) {
-          if (corners.of(v).empty()) continue;
-          if (!metric::is_metric(mesh.metric[v])) {
-            if (part.count++ == 0) part.first = v;
-            continue;
-          }
-          result.log[v] = metric::log(mesh.metric[v]);
-          result.density[v] = std::exp(result.log[v].trace() / 2);
+      [&](Refused& part, std::size_t v) {
+        if (corners.of(v).empty()) return;
+        if (!metric::is_metric(mesh.metric[v])) {
+          if (part.count++ == 0) part.first = v;
+          return;
         }
-        return part;
+        result.log[v] = metric::log(mesh.metric[v]);
+        result.density[v] = std::exp(result.log[v].trace() / 2);
       },
       [](const Refused& all, const Refused& more) {
         return Refused{all.count > 0 ? all.first : more.first, all.count + more.count};

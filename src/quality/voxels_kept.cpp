@@ -6,6 +6,7 @@
 #include "lumesh/core/grid.hpp"
 #include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/sum.hpp"
 #include "nearby.hpp"
 #include "on_planes.hpp"
 #include "rows_of_tetrahedron.hpp"
@@ -81,28 +82,25 @@ std::vector<KeptTally> tally(const LabelImage& image, const CountedVoxels& voxel
                              const CutPlanes& planes) {
   const image::RunImage& runs = voxels.runs();
   const std::vector<KeptTally> zero(image.values().size());
-  return parallel::reduce_blocks(
+  return parallel::reduce(
       runs.first.size() - 1, 512, zero,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<KeptTally> counts = zero;
-        for (std::size_t row = begin; row < end; ++row)
-          for (std::size_t r = runs.first[row]; r < runs.first[row + 1]; ++r) {
-            const Run& run = runs.runs[r];
-            for (std::int32_t i = run.begin; i < run.end; ++i) {
-              const Index3 voxel = grid_row(runs.size, row) + i * Index3::UnitX();
-              const std::size_t number = voxels.number_of(r) + static_cast<std::size_t>(i - run.begin);
-              const bool missed = marks.at(number) == (run.label == 0);
-              if (!missed && planes.none()) {
-                ++counts[run.label].counted;
-                continue;
-              }
-              const Vec3 centre_mm = image.frame().to_physical(voxel.cast<double>());
-              if (planes.beyond(centre_mm)) continue;
+      [&](std::vector<KeptTally>& counts, std::size_t row) {
+        for (std::size_t r = runs.first[row]; r < runs.first[row + 1]; ++r) {
+          const Run& run = runs.runs[r];
+          for (std::int32_t i = run.begin; i < run.end; ++i) {
+            const Index3 voxel = grid_row(runs.size, row) + i * Index3::UnitX();
+            const std::size_t number = voxels.number_of(r) + static_cast<std::size_t>(i - run.begin);
+            const bool missed = marks.at(number) == (run.label == 0);
+            if (!missed && planes.none()) {
               ++counts[run.label].counted;
-              if (missed) counts[run.label].missed.push_back({voxel, centre_mm});
+              continue;
             }
+            const Vec3 centre_mm = image.frame().to_physical(voxel.cast<double>());
+            if (planes.beyond(centre_mm)) continue;
+            ++counts[run.label].counted;
+            if (missed) counts[run.label].missed.push_back({voxel, centre_mm});
           }
-        return counts;
+        }
       },
       [](std::vector<KeptTally> all, std::vector<KeptTally> more) {
         for (std::size_t l = 0; l < all.size(); ++l) {
