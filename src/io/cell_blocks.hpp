@@ -3,9 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "file_fault.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh::io {
@@ -124,6 +128,47 @@ bool visit_cells(MixedMesh& mesh, std::int64_t vtk_type, Visit&& visit) {
 /// VTK's vertices and lines, which carry nothing for us.
 [[nodiscard]] constexpr bool is_point_or_line(std::int64_t vtk_type) {
   return vtk_type >= 1 && vtk_type <= 4;
+}
+
+/// @param corners  Numbers of a file, below `points` each, or the file is at fault.
+template <std::size_t N, class Number>
+Cell<N> vtk_cell(const std::filesystem::path& path, std::span<const Number> corners, std::size_t points) {
+  if (corners.size() != N) fail(path, "a cell has a wrong number of corners");
+  Cell<N> cell;
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!(corners[i] >= 0 && corners[i] < static_cast<Number>(points)))
+      fail(path, "a cell refers to a point that is not there");
+    cell[i] = static_cast<std::uint32_t>(corners[i]);
+  }
+  return cell;
+}
+
+/// Adds a cell of a file of VTK, if it is more than a point or a line.
+template <class Number>
+void add_vtk_cell(const std::filesystem::path& path, std::int64_t type, std::span<const Number> corners,
+                  std::int32_t tag, MixedMesh& mesh) {
+  const auto add = [&]<std::size_t N>(std::vector<Cell<N>>& cells, std::vector<std::int32_t>& tags) {
+    cells.push_back(vtk_cell<N>(path, corners, mesh.points.size()));
+    tags.push_back(tag);
+  };
+  if (!visit_cells(mesh, type, add) && !is_point_or_line(type))
+    fail(path, "holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
+}
+
+/// The faces of an array of kFaceArrays, instead of those before. @param patches  Below patch_end each.
+template <std::size_t N, class Number>
+void take_vtk_faces(const std::filesystem::path& path, const std::vector<Number>& corners,
+                    const std::vector<Number>& patches, std::int64_t patch_end, std::size_t points,
+                    std::vector<Cell<N>>& faces, std::vector<std::int32_t>& tags) {
+  if (corners.size() != N * patches.size()) fail(path, "its boundary faces are damaged");
+  faces.clear();
+  tags.clear();
+  for (std::size_t f = 0; f < patches.size(); ++f) {
+    if (!(patches[f] >= 0 && patches[f] < static_cast<Number>(patch_end)))
+      fail(path, "a boundary face has no valid patch");
+    faces.push_back(vtk_cell<N>(path, std::span<const Number>(corners).subspan(N * f, N), points));
+    tags.push_back(static_cast<std::int32_t>(patches[f]));
+  }
 }
 
 [[nodiscard]] constexpr bool is_face(std::int64_t vtk_type) {

@@ -283,18 +283,6 @@ class LegacyReader {
     }
   }
 
-  template <std::size_t N>
-  Cell<N> cell_at(const std::vector<double>& from, std::size_t begin) const {
-    Cell<N> cell;
-    for (std::size_t i = 0; i < N; ++i) {
-      const double v = from[begin + i];
-      if (!(v >= 0 && v < static_cast<double>(mesh_.points.size())))
-        fail("a cell refers to a point that is not there");
-      cell[i] = static_cast<std::uint32_t>(v);
-    }
-    return cell;
-  }
-
   void assemble_points() {
     for (std::size_t i = 0; i + 2 < points_.size(); i += 3) {
       mesh_.points.emplace_back(points_[i], points_[i + 1], points_[i + 2]);
@@ -315,8 +303,11 @@ class LegacyReader {
         fail("its cell offsets are damaged");
       const double label = labels == nullptr ? 1 : (*labels)[c];
       if (!(std::abs(label) < 2e9)) fail("a label is too large");
-      add_cell(static_cast<std::int64_t>(whole(types_[c])), offsets_[c], offsets_[c + 1] - offsets_[c],
-               static_cast<Label>(label));
+      const auto type = static_cast<std::int64_t>(whole(types_[c]));
+      if (is_face(type)) continue;  // Faces of other programs are found anew.
+      add_vtk_cell(path_, type,
+                   std::span<const double>(connectivity_).subspan(offsets_[c], offsets_[c + 1] - offsets_[c]),
+                   static_cast<Label>(label), mesh_);
     }
     restore_faces();
   }
@@ -329,30 +320,13 @@ class LegacyReader {
     return nullptr;
   }
 
-  void add_cell(std::int64_t type, std::size_t begin, std::size_t corners, Label label) {
-    if (is_point_or_line(type) || is_face(type)) return;  // faces of other programs are found anew
-    const auto add = [&]<std::size_t N>(std::vector<Cell<N>>& cells, std::vector<Label>& labels) {
-      if (corners != N) fail("a cell has a wrong number of corners");
-      cells.push_back(cell_at<N>(connectivity_, begin));
-      labels.push_back(label);
-    };
-    if (!visit_cells(mesh_, type, add))
-      fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
-  }
-
   template <std::size_t N>
   void restore(std::size_t block, std::vector<Cell<N>>& faces, std::vector<std::int32_t>& patches) {
     const auto corners = arrays_.find(kFaceArrays[block]);
     const auto tags = arrays_.find(kFacePatchArrays[block]);
     if (corners == arrays_.end() || tags == arrays_.end()) return;
-    if (corners->second.size() != N * tags->second.size()) fail("its boundary faces are damaged");
-    for (std::size_t f = 0; f < tags->second.size(); ++f) {
-      const double patch = tags->second[f];
-      if (!(patch >= 0 && patch < static_cast<double>(mesh_.info.patches.size())))
-        fail("a boundary face has no valid patch");
-      faces.push_back(cell_at<N>(corners->second, N * f));
-      patches.push_back(static_cast<std::int32_t>(patch));
-    }
+    take_vtk_faces(path_, corners->second, tags->second, std::ssize(mesh_.info.patches), mesh_.points.size(),
+                   faces, patches);
   }
 
   /// @return False if the file has none.

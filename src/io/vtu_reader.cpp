@@ -42,28 +42,6 @@ std::vector<std::int64_t> read_labels(const VtkXmlReader& file, std::size_t cell
   return std::vector<std::int64_t>(cells, 1);
 }
 
-template <std::size_t N>
-Cell<N> make_cell(const VtkXmlReader& file, std::span<const std::int64_t> corners, std::size_t points) {
-  if (corners.size() != N) file.fail("a cell has a wrong number of corners");
-  Cell<N> cell;
-  for (std::size_t i = 0; i < N; ++i) {
-    if (corners[i] < 0 || corners[i] >= static_cast<std::int64_t>(points))
-      file.fail("a cell refers to a point that is not there");
-    cell[i] = static_cast<std::uint32_t>(corners[i]);
-  }
-  return cell;
-}
-
-void add_cell(const VtkXmlReader& file, std::int64_t type, std::span<const std::int64_t> corners, Label label,
-              MixedMesh& mesh) {
-  const auto add = [&]<std::size_t N>(std::vector<Cell<N>>& cells, std::vector<std::int32_t>& tags) {
-    cells.push_back(make_cell<N>(file, corners, mesh.points.size()));
-    tags.push_back(label);
-  };
-  if (!visit_cells(mesh, type, add) && !is_point_or_line(type))
-    file.fail("holds cells of VTK type " + std::to_string(type) + ", which lumesh does not know");
-}
-
 void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
   const std::size_t cells = file.count("NumberOfCells");
   const pugi::xml_node node = file.piece().child("Cells");
@@ -78,15 +56,17 @@ void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
     const std::int64_t end = offsets[c];
     if (end < begin || end > static_cast<std::int64_t>(connectivity.size()))
       file.fail("its cell offsets are damaged");
-    add_cell(file, types[c], {connectivity.data() + begin, static_cast<std::size_t>(end - begin)},
-             static_cast<Label>(labels[c]), mesh);
+    add_vtk_cell<std::int64_t>(file.path(), types[c],
+                               {connectivity.data() + begin, static_cast<std::size_t>(end - begin)},
+                               static_cast<Label>(labels[c]), mesh);
     begin = end;
   }
 }
 
+constexpr std::int64_t kPatchEnd = 65'535;  // As many patches as meshes that change can have.
+
 std::int32_t checked_patch(const VtkXmlReader& file, std::int64_t patch) {
-  constexpr std::int64_t kLargest = 65'534;  // As many patches as meshes that change can have.
-  if (patch < 0 || patch > kLargest) file.fail("a boundary face has no valid patch");
+  if (patch < 0 || patch >= kPatchEnd) file.fail("a boundary face has no valid patch");
   return static_cast<std::int32_t>(patch);
 }
 
@@ -99,13 +79,7 @@ void read_faces(const VtkXmlReader& file, std::size_t block, std::size_t points,
   if (!array) return;
   const auto corners = file.integers(array, name);
   const auto tags = file.integers(VtkXmlReader::find_array(fields, patch_name), patch_name);
-  if (corners.size() != N * tags.size()) file.fail("its boundary faces are damaged");
-  faces.clear();
-  patches.clear();
-  for (std::size_t f = 0; f < tags.size(); ++f) {
-    faces.push_back(make_cell<N>(file, {corners.data() + N * f, N}, points));
-    patches.push_back(checked_patch(file, tags[f]));
-  }
+  take_vtk_faces(file.path(), corners, tags, kPatchEnd, points, faces, patches);
 }
 
 /// A face must not name a patch that the file does not describe.
@@ -265,8 +239,8 @@ MixedMesh read_polygons(const std::filesystem::path& path, const std::string& pa
     const auto corners = static_cast<std::size_t>(end - begin);
     if (corners != 3 && corners != 4)
       file.fail("holds polygons that are neither triangles nor quadrilaterals");
-    add_cell(file, corners == 3 ? 5 : 9, {connectivity.data() + begin, corners},
-             checked_patch(file, patches[p]), mesh);
+    add_vtk_cell<std::int64_t>(file.path(), corners == 3 ? 5 : 9, {connectivity.data() + begin, corners},
+                               checked_patch(file, patches[p]), mesh);
     begin = end;
   }
   complete_patches(file, mesh, unnamed);
