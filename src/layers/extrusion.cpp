@@ -268,10 +268,7 @@ class Extruder {
         }
       }
     };
-    look_at(mesh().tetrahedra, mesh().tetrahedron_labels);
-    look_at(mesh().pyramids, mesh().pyramid_labels);
-    look_at(mesh().prisms, mesh().prism_labels);
-    look_at(mesh().hexahedra, mesh().hexahedron_labels);
+    for_each_cell_list(look_at, mesh());
     for (PatchFace& face : s.faces) face.label = behind.at(key_of(face.corners));
   }
   [[nodiscard]] static std::vector<std::uint32_t> key_of(std::vector<std::uint32_t> corners) {

@@ -58,27 +58,18 @@ void check_merge_parts(std::span<const MergePart> parts) {
   }
 }
 
-template <std::size_t N>
-void append_cells(const std::vector<Cell<N>>& cells, const std::vector<Label>& labels,
-                  const std::vector<std::uint32_t>& points, const std::map<Label, Label>& numbers,
-                  std::vector<Cell<N>>& all, std::vector<Label>& all_labels) {
-  const std::size_t first = all.size();
-  all.resize(first + cells.size());
-  all_labels.resize(first + cells.size());
-  parallel::for_each_index(cells.size(), [&](std::size_t c) {
-    for (std::size_t i = 0; i < N; ++i) all[first + c][i] = points[cells[c][i]];
-    all_labels[first + c] = numbers.at(labels[c]);
-  });
-}
-
 void append_cells_of(const MixedMesh& part, const std::vector<std::uint32_t>& points,
                      const std::map<Label, Label>& numbers, MixedMesh& mesh) {
-  append_cells(part.tetrahedra, part.tetrahedron_labels, points, numbers, mesh.tetrahedra,
-               mesh.tetrahedron_labels);
-  append_cells(part.pyramids, part.pyramid_labels, points, numbers, mesh.pyramids, mesh.pyramid_labels);
-  append_cells(part.prisms, part.prism_labels, points, numbers, mesh.prisms, mesh.prism_labels);
-  append_cells(part.hexahedra, part.hexahedron_labels, points, numbers, mesh.hexahedra,
-               mesh.hexahedron_labels);
+  const auto append = [&](const auto& cells, auto& all, const auto& labels, auto& all_labels) {
+    const std::size_t first = all.size();
+    all.resize(first + cells.size());
+    all_labels.resize(first + cells.size());
+    parallel::for_each_index(cells.size(), [&](std::size_t c) {
+      for (std::size_t i = 0; i < cells[c].size(); ++i) all[first + c][i] = points[cells[c][i]];
+      all_labels[first + c] = numbers.at(labels[c]);
+    });
+  };
+  for_each_cell_list(append, part, mesh);
 }
 
 /// What all parts have one of per point, for joined points; empty where a part has none.

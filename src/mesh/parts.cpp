@@ -30,10 +30,7 @@ class PartBuilder {
     part_.info.patches.clear();
     std::erase_if(part_.info.label_names, [&](const auto& entry) { return !labels_.contains(entry.first); });
     number_points();
-    take_cells(mesh_.tetrahedra, mesh_.tetrahedron_labels, part_.tetrahedra, part_.tetrahedron_labels);
-    take_cells(mesh_.pyramids, mesh_.pyramid_labels, part_.pyramids, part_.pyramid_labels);
-    take_cells(mesh_.prisms, mesh_.prism_labels, part_.prisms, part_.prism_labels);
-    take_cells(mesh_.hexahedra, mesh_.hexahedron_labels, part_.hexahedra, part_.hexahedron_labels);
+    for_each_cell_list([&](auto&... lists) { take_cells(lists...); }, mesh_, part_);
     number_patches();
     for_each_face([&](const FaceCorners& face, std::int32_t patch) { take_face(face, patch); });
     add_unlisted_faces();
@@ -55,10 +52,7 @@ class PartBuilder {
         if (stays(labels[c]))
           for (const std::uint32_t v : cells[c]) used[v] = 1;
     };
-    mark(mesh_.tetrahedra, mesh_.tetrahedron_labels);
-    mark(mesh_.pyramids, mesh_.pyramid_labels);
-    mark(mesh_.prisms, mesh_.prism_labels);
-    mark(mesh_.hexahedra, mesh_.hexahedron_labels);
+    for_each_cell_list(mark, mesh_);
     for (std::size_t v = 0; v < used.size(); ++v) {
       if (used[v] == 0) continue;
       numbers_[v] = static_cast<std::uint32_t>(part_.points.size());
@@ -69,8 +63,8 @@ class PartBuilder {
     }
   }
   template <std::size_t N>
-  void take_cells(const std::vector<Cell<N>>& cells, const std::vector<Label>& labels,
-                  std::vector<Cell<N>>& taken, std::vector<Label>& taken_labels) const {
+  void take_cells(const std::vector<Cell<N>>& cells, std::vector<Cell<N>>& taken,
+                  const std::vector<Label>& labels, std::vector<Label>& taken_labels) const {
     for (std::size_t c = 0; c < cells.size(); ++c) {
       if (!stays(labels[c])) continue;
       Cell<N>& cell = taken.emplace_back(cells[c]);
@@ -170,14 +164,11 @@ MixedMesh copy_of(const MeshView& view) {
   const auto copy = [](const auto& from, auto& to) { to.assign(from.begin(), from.end()); };
   MixedMesh mesh;
   copy(view.points, mesh.points);
-  copy(view.tetrahedra, mesh.tetrahedra);
-  copy(view.tetrahedron_labels, mesh.tetrahedron_labels);
-  copy(view.pyramids, mesh.pyramids);
-  copy(view.pyramid_labels, mesh.pyramid_labels);
-  copy(view.prisms, mesh.prisms);
-  copy(view.prism_labels, mesh.prism_labels);
-  copy(view.hexahedra, mesh.hexahedra);
-  copy(view.hexahedron_labels, mesh.hexahedron_labels);
+  const auto copy_cells = [&](const auto& cells, auto& to, const auto& labels, auto& to_labels) {
+    copy(cells, to);
+    copy(labels, to_labels);
+  };
+  for_each_cell_list(copy_cells, view, mesh);
   copy(view.triangles, mesh.triangles);
   copy(view.triangle_patches, mesh.triangle_patches);
   copy(view.quadrilaterals, mesh.quadrilaterals);

@@ -54,14 +54,11 @@ void replace_first(std::size_t count, const Items& by, Items& items) {
 
 /// Puts the cells of the mesh in the place of the tetrahedra they were split into, which come first.
 void put_back_cells(const MixedMesh& mesh, std::size_t split, MixedMesh& layered) {
-  replace_first(split, mesh.tetrahedra, layered.tetrahedra);
-  replace_first(split, mesh.tetrahedron_labels, layered.tetrahedron_labels);
-  replace_first(0, mesh.pyramids, layered.pyramids);
-  replace_first(0, mesh.pyramid_labels, layered.pyramid_labels);
-  replace_first(0, mesh.prisms, layered.prisms);
-  replace_first(0, mesh.prism_labels, layered.prism_labels);
-  replace_first(0, mesh.hexahedra, layered.hexahedra);
-  replace_first(0, mesh.hexahedron_labels, layered.hexahedron_labels);
+  const auto replace = [&](const auto& by, auto& cells, const auto& labels, auto& cell_labels) {
+    replace_first(split, by, cells);
+    replace_first(std::exchange(split, 0), labels, cell_labels);
+  };
+  for_each_cell_list(replace, mesh, layered);
 }
 
 }  // namespace

@@ -73,6 +73,16 @@ struct MeshView {
   }
 };
 
+/// Calls visit(cells of each mesh ..., labels of each mesh ...) for every shape of cells: tetrahedra,
+/// pyramids, prisms, hexahedra.
+template <class Visit, class... Meshes>
+void for_each_cell_list(const Visit& visit, Meshes&&... meshes) {
+  visit(meshes.tetrahedra..., meshes.tetrahedron_labels...);
+  visit(meshes.pyramids..., meshes.pyramid_labels...);
+  visit(meshes.prisms..., meshes.prism_labels...);
+  visit(meshes.hexahedra..., meshes.hexahedron_labels...);
+}
+
 /// Calls visit(corners, patch) for every triangle, then for every quadrilateral of the patches: a Cell<3> or
 /// Cell<4>.
 template <class Mesh, class Visit>
