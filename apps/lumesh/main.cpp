@@ -98,6 +98,17 @@ bool reader_has_gone() {
 // NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 #endif
 
+/// In the order of the help.
+void add_commands(CLI::App& program) {
+  using namespace lumesh::cli;
+  for (const auto add :
+       {add_phantom_command, add_info_command, add_check_command, add_repair_command, add_lattice_command,
+        add_delaunay_command, add_metric_command, add_adapt_command, add_improve_command, add_layers_command,
+        add_merge_command, add_evaluate_command, add_centerline_command, add_convert_command,
+        add_rename_command, add_run_command, add_options_command, add_completion_command})
+    add(program);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -108,24 +119,7 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", std::string("lumesh ") + lumesh::kVersion);
   program.require_subcommand(1);
   program.footer(lumesh::cli::exit_codes_text());
-  lumesh::cli::add_phantom_command(program);
-  lumesh::cli::add_info_command(program);
-  lumesh::cli::add_check_command(program);
-  lumesh::cli::add_repair_command(program);
-  lumesh::cli::add_lattice_command(program);
-  lumesh::cli::add_delaunay_command(program);
-  lumesh::cli::add_metric_command(program);
-  lumesh::cli::add_adapt_command(program);
-  lumesh::cli::add_improve_command(program);
-  lumesh::cli::add_layers_command(program);
-  lumesh::cli::add_merge_command(program);
-  lumesh::cli::add_evaluate_command(program);
-  lumesh::cli::add_centerline_command(program);
-  lumesh::cli::add_convert_command(program);
-  lumesh::cli::add_rename_command(program);
-  lumesh::cli::add_run_command(program);
-  lumesh::cli::add_options_command(program);
-  lumesh::cli::add_completion_command(program);
+  add_commands(program);
   for (CLI::App* const command : program.get_subcommands({}))
     command->footer(command->get_footer() + "\n" + lumesh::cli::exit_codes_text());
   if (const int code = run(program, argc, argv); code != 0) return code;
