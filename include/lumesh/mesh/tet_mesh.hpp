@@ -49,13 +49,10 @@ class FaceLink {
   }
 
   [[nodiscard]] constexpr bool is_boundary() const { return word_ >= kFirstBoundary; }
-  [[nodiscard]] constexpr TetId tet() const { return TetId(word_ >> 2); }  ///< Unless is_boundary().
-  [[nodiscard]] constexpr int face() const {
-    return static_cast<int>(word_ & 3u);
-  }  ///< Unless is_boundary().
-  [[nodiscard]] constexpr PatchId patch() const {
-    return PatchId(word_ - kFirstBoundary);
-  }  ///< If is_boundary().
+  /// tet() and face() unless is_boundary(), patch() if so.
+  [[nodiscard]] constexpr TetId tet() const { return TetId(word_ >> 2); }
+  [[nodiscard]] constexpr int face() const { return static_cast<int>(word_ & 3u); }
+  [[nodiscard]] constexpr PatchId patch() const { return PatchId(word_ - kFirstBoundary); }
   constexpr bool operator==(const FaceLink&) const = default;
 
   static constexpr std::uint32_t kFirstBoundary = 0xFFF00000u;
@@ -135,11 +132,9 @@ class TetMesh {
   /// @throws as above, and Error{kBadInput} if the view has cells of other shapes.
   [[nodiscard]] static TetMesh build(const MeshView& view);
 
-  // --- Sizes
-  // -------------------------------------------------------------------------------------------------------
-  [[nodiscard]] std::uint32_t vertex_slots() const {
-    return vertex_pool_.end();
-  }  ///< Ids are below; some may be dead.
+  // --- Sizes ---
+  /// Ids are below; some may be dead.
+  [[nodiscard]] std::uint32_t vertex_slots() const { return vertex_pool_.end(); }
   [[nodiscard]] std::uint32_t tet_slots() const { return tet_pool_.end(); }
   [[nodiscard]] std::uint32_t vertex_count() const { return vertex_pool_.live(); }  ///< Live ones.
   [[nodiscard]] std::uint32_t tet_count() const { return tet_pool_.live(); }
@@ -149,13 +144,11 @@ class TetMesh {
   [[nodiscard]] bool alive(VertexId v) const { return dimensions_[v.value] != VertexDimension::kFreed; }
   [[nodiscard]] bool alive(TetId t) const { return tets_[t.value][0] != VertexId::kNone; }
 
-  // --- Vertices
-  // ----------------------------------------------------------------------------------------------------
+  // --- Vertices ---
   [[nodiscard]] const Vec3& point(VertexId v) const { return points_[v.value]; }
   void set_point(VertexId v, const Vec3& point) { points_[v.value] = point; }
-  [[nodiscard]] TetId incident_tet(VertexId v) const {
-    return incident_[v.value];
-  }  ///< Invalid if v is unused.
+  /// Invalid if v is unused.
+  [[nodiscard]] TetId incident_tet(VertexId v) const { return incident_[v.value]; }
   void set_incident_tet(VertexId v, TetId t) { incident_[v.value] = t; }
   [[nodiscard]] VertexDimension dimension(VertexId v) const { return dimensions_[v.value]; }
   void set_dimension(VertexId v, VertexDimension dimension) { dimensions_[v.value] = dimension; }
@@ -194,8 +187,7 @@ class TetMesh {
   [[nodiscard]] std::uint32_t trial_epoch(TetId t) const { return trial_epochs_[t.value]; }
   void set_trial_epoch(TetId t, std::uint32_t epoch) { trial_epochs_[t.value] = epoch; }
 
-  // --- Tetrahedra
-  // --------------------------------------------------------------------------------------------------
+  // --- Tetrahedra ---
   [[nodiscard]] const Cell<4>& tet(TetId t) const { return tets_[t.value]; }
   [[nodiscard]] VertexId vertex(TetId t, int i) const { return VertexId(tets_[t.value][i]); }
   [[nodiscard]] const Vec3& corner(TetId t, int i) const { return points_[tets_[t.value][i]]; }
@@ -224,8 +216,7 @@ class TetMesh {
     return -1;
   }
 
-  // --- Faces
-  // -------------------------------------------------------------------------------------------------------
+  // --- Faces ---
   [[nodiscard]] FaceLink link(TetId t, int face) const { return links_[t.value][face]; }
   void set_link(TetId t, int face, FaceLink link) { links_[t.value][face] = link; }
   /// Corners of a face, seen anticlockwise from outside t.
@@ -250,8 +241,7 @@ class TetMesh {
   [[nodiscard]] bool has_interfaces() const { return interface_patches_.reserved(); }
   void enable_interfaces();  ///< Before the first set_interface_patch(); needs the mesh alone.
 
-  // --- Growing and shrinking
-  // ---------------------------------------------------------------------------------------
+  // --- Growing and shrinking ---
   /// Prepares for `owners` concurrent owners, whose blocks have `block` slots.
   void set_owners(int owners, std::uint32_t block = 1024);
   /// A new vertex in the volume, without incident tetrahedron. @throws Error{kMemory}.
@@ -278,8 +268,7 @@ class TetMesh {
   /// depend on how the mesh came about, but on numbers alone. Needs is_compact(). Parallel inside.
   void normalise();
 
-  // --- The whole mesh
-  // ----------------------------------------------------------------------------------------------
+  // --- The whole mesh ---
   [[nodiscard]] std::span<const Vec3> points() const { return points_.first(vertex_slots()); }
   [[nodiscard]] std::span<const Cell<4>> tets() const { return tets_.first(tet_slots()); }
   [[nodiscard]] std::span<const Label> labels() const { return labels_.first(tet_slots()); }
