@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "lumesh/core/context.hpp"
-#include "lumesh/core/error.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/command_notes.hpp"
 #include "lumesh/stages/input.hpp"

@@ -1,9 +1,5 @@
 #include "kernel_options.hpp"
 
-#include <fmt/core.h>
-
-#include <cstdio>
-
 #include "lumesh/parallel/ordered_tasks.hpp"
 
 namespace lumesh::cli {

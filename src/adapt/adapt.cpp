@@ -1,7 +1,5 @@
 #include "lumesh/adapt/adapt.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>

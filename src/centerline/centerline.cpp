@@ -1,7 +1,5 @@
 #include "lumesh/centerline/centerline.hpp"
 
-#include <fmt/format.h>
-
 #include "inputs.hpp"
 #include "lines.hpp"
 #include "lumesh/core/error.hpp"

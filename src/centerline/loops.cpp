@@ -1,7 +1,6 @@
 #include "loops.hpp"
 
 #include <unordered_map>
-#include <unordered_set>
 
 namespace lumesh::centerline {
 

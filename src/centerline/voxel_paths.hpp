@@ -2,7 +2,6 @@
 /// @file Shortest paths through voxels.
 
 #include <functional>
-#include <utility>
 #include <vector>
 
 #include "lumen.hpp"

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <tuple>
 
 #include "bad_faces.hpp"
 #include "lumesh/core/sort_unique.hpp"
-#include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/metric/point_tree.hpp"
 #include "lumesh/parallel/loops.hpp"

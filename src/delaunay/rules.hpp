@@ -3,7 +3,6 @@
 
 #include <array>
 #include <optional>
-#include <vector>
 
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "spacing.hpp"

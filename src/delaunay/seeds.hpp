@@ -1,7 +1,6 @@
 #pragma once
 /// @file Points to begin with: of a graded body-centred cubic lattice inside, and on boundaries near it.
 
-#include <cstdint>
 #include <vector>
 
 #include "spacing.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "lumesh/parallel/loops.hpp"
 #include "point_levels.hpp"

@@ -2,7 +2,6 @@
 /// @file Triangles that have been found to be a closed surface, all turned outwards.
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "lumesh/domain/surface_domain.hpp"

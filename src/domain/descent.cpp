@@ -1,8 +1,6 @@
 #include "descent.hpp"
 
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
 
 namespace lumesh {
 

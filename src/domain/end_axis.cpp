@@ -1,7 +1,6 @@
 #include "end_axis.hpp"
 
 #include <Eigen/Dense>
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <optional>
 
-#include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/triangle.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 /// @file A closed surface in regions, each with the patch that it is, and the flat ends among them.
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>

@@ -1,7 +1,6 @@
 #include "opening_groups.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>

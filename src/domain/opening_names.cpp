@@ -1,6 +1,5 @@
 #include "opening_names.hpp"
 
-#include <algorithm>
 #include <set>
 
 #include "lumesh/core/squares.hpp"

@@ -1,7 +1,5 @@
 #include "lumesh/domain/openings.hpp"
 
-#include <fmt/core.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>

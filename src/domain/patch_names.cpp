@@ -6,7 +6,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <unordered_map>
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/triangle.hpp"

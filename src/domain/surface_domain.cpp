@@ -2,10 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <map>
-#include <set>
 
 #include "closed_surface.hpp"
 #include "distance_octree.hpp"

@@ -1,7 +1,6 @@
 #include "surface_projector.hpp"
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "lumesh/geometry/triangle.hpp"
 

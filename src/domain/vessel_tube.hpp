@@ -2,9 +2,7 @@
 // A vessel that goes on straight beyond an opening, as functions of space.
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
-#include <vector>
 
 #include "lumesh/core/smoothstep.hpp"
 #include "lumesh/domain/carried_section.hpp"

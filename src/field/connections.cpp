@@ -1,7 +1,5 @@
 #include "connections.hpp"
 
-#include <cmath>
-
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::field {

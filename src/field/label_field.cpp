@@ -1,7 +1,6 @@
 #include "lumesh/field/label_field.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 namespace lumesh {

@@ -1,13 +1,11 @@
 // Construction of LabelField: pairs of labels that touch, the bricks near their faces, a fit for each pair.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numeric>
 
 #include "band.hpp"
 #include "fit.hpp"
 #include "label_pairs.hpp"
-#include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/field/label_field.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 // The pairs of labels that share voxel faces, with those faces.
 
-#include <cstdint>
 #include <vector>
 
 #include "lumesh/image/label_image.hpp"

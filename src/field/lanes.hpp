@@ -1,7 +1,6 @@
 #pragma once
 // Eight voxels of a row at a time: the vector type of the compiler, which is the same on every processor.
 
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>

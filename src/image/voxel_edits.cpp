@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
 
 #include "cavities.hpp"
 #include "lumesh/core/disjoint_sets.hpp"

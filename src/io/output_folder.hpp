@@ -2,7 +2,6 @@
 /// @file A folder that appears under its name only when it is complete.
 
 #include <filesystem>
-#include <string>
 
 namespace lumesh::io {
 

@@ -11,7 +11,6 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
-#include <vector>
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstring>
 #include <string_view>
-#include <vector>
 
 #include "cell_blocks.hpp"
 #include "label_arrays.hpp"

@@ -1,7 +1,6 @@
 #include "defects.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>

@@ -1,10 +1,8 @@
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "lumesh/image/selection.hpp"
 #include "lumesh/lattice/lattice.hpp"
-#include "lumesh/parallel/loops.hpp"
 #include "refinement.hpp"
 #include "size_grid.hpp"
 

@@ -3,9 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
-#include <span>
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/parallel/adjacency.hpp"

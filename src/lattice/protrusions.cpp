@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "lumesh/core/sort_unique.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"

@@ -5,6 +5,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/key_set.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "split_marks.hpp"

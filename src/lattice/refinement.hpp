@@ -1,8 +1,6 @@
 #pragma once
 // The adaptive lattice: red refinement where a size function asks for it, closed by green elements.
 
-#include <vector>
-
 #include "bcc.hpp"
 #include "lumesh/core/types.hpp"
 #include "size_grid.hpp"

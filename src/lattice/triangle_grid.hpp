@@ -1,7 +1,6 @@
 #pragma once
 // A few triangles that can be found by place while more are added, and whether triangles cut each other.
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -10,7 +9,6 @@
 
 #include "cells.hpp"
 #include "lumesh/core/grid.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "work_mesh.hpp"
 

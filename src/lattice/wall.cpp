@@ -1,7 +1,6 @@
 #include "wall.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <utility>

@@ -1,8 +1,6 @@
 #pragma once
 // The last step of the fit: vertices of the boundary come to stand exactly where they should.
 
-#include <vector>
-
 #include "boundary_model.hpp"
 #include "star_quality.hpp"
 

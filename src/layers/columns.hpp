@@ -1,8 +1,6 @@
 #pragma once
 /// @file Columns as high as their cells allow.
 
-#include <vector>
-
 #include "heights.hpp"
 
 namespace lumesh::layers {

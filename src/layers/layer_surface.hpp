@@ -2,8 +2,6 @@
 /// @file The surface that layers grow on: its triangles, the star of each vertex, and its rim.
 
 #include <cstdint>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "choice.hpp"

@@ -1,6 +1,5 @@
 #include "lumesh/metric/analytic.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

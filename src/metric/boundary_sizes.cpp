@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include "lumesh/geometry/triangle_tree.hpp"

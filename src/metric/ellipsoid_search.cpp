@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "lumesh/core/assert.hpp"

@@ -2,7 +2,6 @@
 /// @file Khachiyan's search with away steps, with buffers that many searches share.
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -2,7 +2,6 @@
 /// @file The dihedral angles around one vertex as a function of its place, and the place where the worst of
 /// them is best.
 
-#include <span>
 #include <vector>
 
 #include "lumesh/core/types.hpp"

@@ -1,8 +1,6 @@
 #include "lumesh/operators/delaunay_execution.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include "execution_parts.hpp"
 #include "lumesh/parallel/loops.hpp"

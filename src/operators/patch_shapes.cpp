@@ -1,8 +1,5 @@
 #include "lumesh/operators/patch_shapes.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <limits>
-
 #include "lumesh/geometry/hilbert.hpp"
 
 namespace lumesh::operators {

@@ -1,6 +1,5 @@
 #include "star_shapes.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "lumesh/core/wide.hpp"

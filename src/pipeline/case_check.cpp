@@ -8,7 +8,6 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "outputs.hpp"
-#include "stages.hpp"
 
 namespace lumesh::pipeline {
 namespace {

@@ -2,7 +2,6 @@
 /// @file What the stages of a run work on and hand on to each other.
 
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,7 +9,6 @@
 
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/metric/metric_field.hpp"
 #include "lumesh/pipeline/case.hpp"
 #include "lumesh/quality/evaluation.hpp"
 #include "lumesh/stages/domain_read.hpp"

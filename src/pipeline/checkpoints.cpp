@@ -15,9 +15,7 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/report/picture.hpp"
 #include "lumesh/report/stage_parts.hpp"
-#include "stages.hpp"
 
 namespace lumesh::pipeline {
 namespace {

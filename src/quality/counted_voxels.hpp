@@ -1,11 +1,9 @@
 #pragma once
 /// @file The voxels that are compared with a mesh, as runs.
 
-#include <span>
 #include <vector>
 
 #include "lumesh/image/runs.hpp"
-#include "lumesh/image/topology.hpp"
 
 namespace lumesh::quality {
 

@@ -7,7 +7,6 @@
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/image/runs.hpp"
 #include "lumesh/image/topology.hpp"
-#include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/parallel/key_table.hpp"
 #include "lumesh/quality/topology_places.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 /// @file Areas of plane sections: of what a surface encloses, and of voxels.
 
-#include <array>
 #include <optional>
 #include <span>
 #include <vector>

@@ -5,7 +5,6 @@
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/report/picture.hpp"
-#include "raster.hpp"
 
 namespace lumesh::report {
 

@@ -1,7 +1,6 @@
 #pragma once
 /// @file Names of openings around a picture of a surface.
 
-#include <array>
 #include <string>
 #include <vector>
 

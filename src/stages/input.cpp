@@ -1,7 +1,5 @@
 #include "lumesh/stages/input.hpp"
 
-#include <fmt/core.h>
-
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/image/phantom.hpp"

@@ -4,7 +4,6 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/stages/input.hpp"
-#include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/mesh_cut.hpp"
 

@@ -13,8 +13,6 @@
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/metric/shaping.hpp"
-#include "lumesh/stages/input_parts.hpp"
-#include "lumesh/stages/metric_input.hpp"
 
 namespace lumesh {
 namespace {

@@ -1,6 +1,5 @@
 #include "surface_rebuild.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <vector>

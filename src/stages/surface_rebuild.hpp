@@ -1,7 +1,6 @@
 #pragma once
 // A surface made anew of what is inside of one with faults.
 
-#include <cstdint>
 #include <string>
 
 #include "lumesh/core/context.hpp"

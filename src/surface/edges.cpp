@@ -1,6 +1,5 @@
 #include "lumesh/surface/edges.hpp"
 
-#include <algorithm>
 #include <tuple>
 #include <utility>
 

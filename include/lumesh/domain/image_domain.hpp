@@ -1,7 +1,6 @@
 #pragma once
 /// @file The domain oracle of a segmented image: where each material is, and where their boundaries run.
 
-#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"

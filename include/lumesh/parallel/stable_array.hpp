@@ -8,10 +8,7 @@
 #include <mutex>
 #include <span>
 #include <type_traits>
-#include <utility>
 #include <vector>
-
-#include "lumesh/core/assert.hpp"
 
 namespace lumesh::parallel {
 

@@ -2,7 +2,6 @@
 /// @file A case: everything that one run of the pipeline is told, as a TOML file says it.
 
 #include <filesystem>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>

@@ -1,7 +1,6 @@
 #pragma once
 /// @file The stage that adapts a mesh to a metric, for every front end.
 
-#include <memory>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 /// @file Cells that stay exactly as they are while the rest of a mesh changes.
 
 #include <set>
-#include <span>
 #include <vector>
 
 #include "lumesh/mesh/parts.hpp"

@@ -10,7 +10,6 @@
 
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
-#include "lumesh/mesh/patch_naming.hpp"
 
 namespace lumesh {
 

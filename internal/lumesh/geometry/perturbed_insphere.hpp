@@ -2,7 +2,6 @@
 /// @file The in-sphere test that never says "on it": a symbolic perturbation, with which every set of points
 /// has exactly one Delaunay triangulation, whatever the order in which they come.
 
-#include <algorithm>
 #include <array>
 
 #include "lumesh/geometry/predicates.hpp"

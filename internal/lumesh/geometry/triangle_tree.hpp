@@ -2,7 +2,6 @@
 /// @file A tree of triangles: the nearest point on them, those in a box, pairs of them that are close
 /// together.
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <functional>

@@ -1,10 +1,8 @@
 #pragma once
 /// @file The faces of cells of every shape, sorted so that both sides of a face stand together.
 
-#include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "lumesh/mesh/all_cells.hpp"

@@ -8,7 +8,6 @@
 /// patches kept. Vertices carry metrics (TetMesh::enable_metric()), and the stored quality of every
 /// tetrahedron stays right.
 
-#include <concepts>
 #include <cstdint>
 #include <memory>
 #include <vector>

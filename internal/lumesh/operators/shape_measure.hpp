@@ -2,7 +2,6 @@
 /// @file Quality measures of a tetrahedron, for operators that improve it: 1 is perfect, 0 is flat.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 

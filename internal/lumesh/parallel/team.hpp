@@ -2,7 +2,6 @@
 /// @file Threads that stay, pinned if wanted.
 
 #include <condition_variable>
-#include <cstdint>
 #include <deque>
 #include <exception>
 #include <functional>

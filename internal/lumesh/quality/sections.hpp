@@ -1,7 +1,6 @@
 #pragma once
 /// @file Where vessels are narrowest in a mesh, and how wide their voxels are there.
 
-#include <cstddef>
 #include <span>
 #include <vector>
 

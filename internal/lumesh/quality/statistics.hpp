@@ -2,7 +2,6 @@
 /// @file Element quality and volumes of a mesh, in numbers.
 
 #include <span>
-#include <vector>
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"

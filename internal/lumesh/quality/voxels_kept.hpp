@@ -1,7 +1,6 @@
 #pragma once
 /// @file How many voxels of an image lie in cells of their own label.
 
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -1,13 +1,9 @@
 #pragma once
 /// @file Pictures of meshes, drawn in software: no display, no graphics library.
 
-#include <array>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"

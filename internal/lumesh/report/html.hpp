@@ -1,7 +1,6 @@
 #pragma once
 /// @file A report on one mesh as a single HTML file.
 
-#include <optional>
 #include <string>
 
 #include "lumesh/quality/evaluation.hpp"

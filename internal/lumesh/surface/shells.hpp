@@ -1,7 +1,6 @@
 #pragma once
 /// @file Connected parts of a surface as shells: what each encloses, and which lies within which.
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
