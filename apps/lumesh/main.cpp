@@ -45,7 +45,7 @@ void keep_freed_memory() {
 void check_command(const CLI::App& program, const std::string& word) {
   std::vector<std::string> known;
   for (const CLI::App* command : program.get_subcommands({})) known.push_back(command->get_name());
-  if (word.starts_with('-') || std::find(known.begin(), known.end(), word) != known.end()) return;
+  if (word.starts_with('-') || std::ranges::find(known, word) != known.end()) return;
   std::string message = "unknown command \"" + word + "\"";
   const std::string nearest = lumesh::nearest_word(word, known);
   if (!nearest.empty()) message += "; did you mean \"" + nearest + "\"?";

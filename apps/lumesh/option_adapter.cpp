@@ -206,7 +206,7 @@ class Adder {
               const auto width = static_cast<std::ptrdiff_t>(rows.width);
               std::vector<std::vector<double>> numbers;  // Several rows may follow one option.
               for (const std::vector<double>& row : values) {
-                if (!std::all_of(row.begin(), row.end(), [](double x) { return std::isfinite(x); }))
+                if (!std::ranges::all_of(row, [](double x) { return std::isfinite(x); }))
                   refuse(self.option_, "needs finite numbers");
                 if (row.size() % rows.width != 0)
                   refuse(self.option_,
@@ -241,7 +241,7 @@ class Adder {
 
 std::string flag_of(std::string_view name) {
   std::string flag = "--" + std::string(name);
-  std::replace(flag.begin(), flag.end(), '_', '-');
+  std::ranges::replace(flag, '_', '-');
   return flag;
 }
 
@@ -252,7 +252,7 @@ std::string flags_of(const Option& option) {
   for (const std::string& alias : option.aliases)
     flags.insert(alias.size() == 1 ? flags.begin() : flags.end(),
                  alias.size() == 1 ? "-" + alias : flag_of(alias));
-  if (is_list(option.target)) std::reverse(flags.begin(), flags.end());
+  if (is_list(option.target)) std::ranges::reverse(flags);
   return fmt::format("{}", fmt::join(flags, ","));
 }
 
@@ -260,7 +260,7 @@ void add_options(CLI::App& command, const OptionList& list, const std::string& g
                  std::initializer_list<std::string_view> without) {
   std::vector<std::pair<const Option*, CLI::Option*>> made;
   for (const Option& option : list.all()) {
-    if (std::find(without.begin(), without.end(), option.name) != without.end()) continue;
+    if (std::ranges::find(without, option.name) != without.end()) continue;
     made.emplace_back(&option, std::visit(Adder(command, option), option.target));
     if (!group.empty()) made.back().second->group(group);
   }
@@ -288,8 +288,7 @@ std::string with_flags(std::string_view message, const CLI::App& command) {
   const auto is_any = [&](const std::string& flag) {
     if (has(command, flag) || command.get_parent() == nullptr) return has(command, flag);
     const std::vector<const CLI::App*> others = command.get_parent()->get_subcommands({});
-    return std::any_of(others.begin(), others.end(),
-                       [&](const CLI::App* other) { return has(*other, flag); });
+    return std::ranges::any_of(others, [&](const CLI::App* other) { return has(*other, flag); });
   };
   return with_spelled_options(message, [&](std::string_view name) {
     const std::string flag = flag_of(name);

@@ -26,7 +26,7 @@ class Adapter {
         execution_(subject_, options.team),
         options_(options),
         context_(context),
-        has_curved_patch_(std::any_of(shapes.begin(), shapes.end(), [](const operators::PatchShape& shape) {
+        has_curved_patch_(std::ranges::any_of(shapes, [](const operators::PatchShape& shape) {
           return shape.freedom == operators::PatchFreedom::kCurved;
         })) {
     insertion_.min_length = options.min_length;
@@ -245,8 +245,7 @@ operators::MayBecome settled_ratios(const TetMesh& mesh, const std::vector<bool>
     const double ratio =
         metric::mean_ratio(after[0], after[1], after[2], after[3], log(0), log(1), log(2), log(3));
     const Cell<4>& corners = mesh.tets()[i];
-    const bool comes_within =
-        std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return outside[v]; });
+    const bool comes_within = std::ranges::any_of(corners, [&](std::uint32_t v) { return outside[v]; });
     return ratio >= std::min<double>(comes_within ? kFloorOfOutside : kFloor, kKept * mesh.quality(t));
   };
 }
@@ -256,7 +255,7 @@ operators::MayBecome settled_ratios(const TetMesh& mesh, const std::vector<bool>
 /// @param volumes  Of the labels at the start.
 void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators::KeepWithin& keep_within,
             const std::map<Label, double>& volumes) {
-  const auto is_any = [&](auto property) { return std::any_of(shapes.begin(), shapes.end(), property); };
+  const auto is_any = [&](auto property) { return std::ranges::any_of(shapes, property); };
   // Within planes and frozen surfaces the outside stays where it is.
   if (!is_any([](const auto& shape) { return shape.freedom == operators::PatchFreedom::kCurved; })) return;
   std::vector<bool> outside(mesh.vertex_count(), false);
@@ -265,7 +264,7 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators
         .may_become = settled_ratios(mesh, outside), .keep_within = keep_within, .corrections = 1};
     operators::settle(mesh, operators::places_on_shapes(shapes), rules);
     outside = vertices_outside(mesh, keep_within);
-    if (std::find(outside.begin(), outside.end(), true) != outside.end()) {
+    if (std::ranges::find(outside, true) != outside.end()) {
       metric::measure_qualities(mesh);
       operators::settle(mesh, operators::places_on_shapes(shapes), rules);
     }

@@ -53,8 +53,7 @@ AdaptedBoundary::AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, 
                : operators::shapes_of_patches(mesh, kTolerance, operators::SurfaceKeeps::kVolume);
   });
   for (std::size_t part = 0; part < origins_.size(); ++part)
-    if (std::find(options.frozen_patches.begin(), options.frozen_patches.end(), origins_[part]) !=
-        options.frozen_patches.end())
+    if (std::ranges::find(options.frozen_patches, origins_[part]) != options.frozen_patches.end())
       shapes_[part] = {};
   keep_within_ = image_ ? operators::within_cuts_of(*image_) : below(openings_around(mesh, shapes_));
   if (options.is_frozen || !options.image) return;

@@ -216,7 +216,7 @@ void make_corners(TetMesh& mesh, const std::vector<PatchId>& patches, const oper
   const BoundaryFaces faces = mesh.boundary_faces();
   for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
     const PatchId patch(static_cast<std::uint32_t>(faces.patches[f]));
-    if (std::find(patches.begin(), patches.end(), patch) == patches.end()) continue;
+    if (std::ranges::find(patches, patch) == patches.end()) continue;
     for (const std::uint32_t v : faces.triangles[f])
       mesh.set_dimension(VertexId(v), VertexDimension::kCorner);
   }
@@ -256,8 +256,7 @@ bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const I
   bool any = false;
   for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v) {
     if (mesh.dimension(VertexId(v)) != VertexDimension::kSurface) continue;
-    const bool is_old =
-        std::binary_search(places_before.begin(), places_before.end(), mesh.point(VertexId(v)), precedes);
+    const bool is_old = std::ranges::binary_search(places_before, mesh.point(VertexId(v)), precedes);
     has_moved[v] = is_old ? 0 : 1;
     any |= !is_old;
   }
@@ -265,7 +264,7 @@ bool settle_moved(TetMesh& mesh, const std::vector<Vec3>& places_before, const I
   const BoundaryFaces faces = mesh.boundary_faces();
   const std::vector<std::uint8_t> has_slid = has_moved;
   for (const Cell<3>& corners : faces.triangles)
-    if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return has_slid[v] != 0; }))
+    if (std::ranges::any_of(corners, [&](std::uint32_t v) { return has_slid[v] != 0; }))
       for (const std::uint32_t v : corners) has_moved[v] = 1;
   rules.movable = has_moved;
   operators::settle(mesh, options.place, rules);

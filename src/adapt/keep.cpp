@@ -34,9 +34,8 @@ void number_patches_as(const std::vector<Patch>& list, MixedMesh& mesh) {
   std::vector<Patch> patches = list;
   std::vector<std::int32_t> numbers;
   for (const Patch& patch : mesh.info.patches) {
-    const auto same = std::find_if(list.begin(), list.end(), [&](const Patch& other) {
-      return other.name == patch.name && other.kind == patch.kind;
-    });
+    const auto same = std::ranges::find_if(
+        list, [&](const Patch& other) { return other.name == patch.name && other.kind == patch.kind; });
     numbers.push_back(
         static_cast<std::int32_t>(same == list.end() ? patches.size() : std::size_t(same - list.begin())));
     if (same == list.end())

@@ -105,7 +105,7 @@ bool is_restorable(const std::map<Label, double>& wanted, const std::map<Label, 
   constexpr double kKept = 5e-4;
   const bool are_alike = std::equal(wanted.begin(), wanted.end(), volumes.begin(), volumes.end(),
                                     [](const auto& a, const auto& b) { return a.first == b.first; });
-  return are_alike && std::any_of(wanted.begin(), wanted.end(), [&](const auto& one) {
+  return are_alike && std::ranges::any_of(wanted, [&](const auto& one) {
            return std::abs(volumes.at(one.first) - one.second) > kKept * one.second;
          });
 }

@@ -113,7 +113,7 @@ class ImageCutter {
     DisjointSets sets(voxels.size());
     for (std::size_t n = 0; n < voxels.size(); ++n)
       for_each_place(voxels[n] - Index3::Ones(), voxels[n] + Index3::Ones(), [&](const Index3& v) {
-        const auto at = std::lower_bound(voxels.begin(), voxels.end(), v, before);
+        const auto at = std::ranges::lower_bound(voxels, v, before);
         if (at != voxels.end() && *at == v)
           sets.merge(static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(at - voxels.begin()));
       });

@@ -45,11 +45,11 @@ Opening opening_of(const Lumen& lumen, const std::vector<std::uint32_t>& patch) 
   for (const std::uint32_t id : patch)
     for (const int face : faces_at(lumen.voxel(id), lumen.frame().size))
       ++votes[static_cast<std::size_t>(face)];
-  const auto face = static_cast<int>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+  const auto face = static_cast<int>(std::ranges::max_element(votes) - votes.begin());
   std::vector<std::uint32_t> at_face;
   for (const std::uint32_t id : patch) {
     const std::vector<int> faces = faces_at(lumen.voxel(id), lumen.frame().size);
-    if (std::find(faces.begin(), faces.end(), face) != faces.end()) at_face.push_back(id);
+    if (std::ranges::find(faces, face) != faces.end()) at_face.push_back(id);
   }
   Opening opening;
   opening.voxel = roomiest(lumen, at_face, middle_of(lumen, patch));

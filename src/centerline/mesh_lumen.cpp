@@ -200,7 +200,7 @@ MeshVoxels voxels_of(const Boundary& boundary, const Grid& grid) {
   const MemoryOrder before{grid.frame};
   const auto ascend = [&](std::vector<Index3>& voxels) {
     std::erase_if(voxels, [&](const Index3& v) { return !grid.frame.contains(v); });
-    if (!std::is_sorted(voxels.begin(), voxels.end(), before)) parallel::sort_unique(voxels, before);
+    if (!std::ranges::is_sorted(voxels, before)) parallel::sort_unique(voxels, before);
   };
   MeshVoxels voxels;
   std::vector<Index3> all = RowFiller(boundary, grid.frame).voxels();
@@ -209,14 +209,14 @@ MeshVoxels voxels_of(const Boundary& boundary, const Grid& grid) {
   const auto add_layer_around = [&](const Index3& middle, const Cap& cap) {
     for_each_place(middle - Index3::Ones(), middle + Index3::Ones(), [&](const Index3& at) {
       if (cap.height(grid.frame.to_physical(at.cast<double>())) > -grid.voxel_mm() &&
-          std::binary_search(all.begin(), all.end(), at, before))
+          std::ranges::binary_search(all, at, before))
         voxels.beyond.push_back(at);
     });
   };
   for (const Cap& cap : grid.caps) {
     const std::vector<PrismVoxel> prisms = prisms_on(cap, boundary, grid);
     const auto is_above_inside = [&](const PrismVoxel& voxel) {
-      return voxel.height_mm > 0 && std::binary_search(all.begin(), all.end(), voxel.at, before);
+      return voxel.height_mm > 0 && std::ranges::binary_search(all, voxel.at, before);
     };
     double end_mm = grid.beyond_mm(cap);
     for (const PrismVoxel& voxel : prisms)

@@ -124,8 +124,7 @@ Vec3 direction_at(const Tube& tube, std::size_t at, std::size_t reach) {
 }
 
 bool is_inside(const Lumen& lumen, const Tube& tube) {
-  return std::all_of(tube.centres.begin(), tube.centres.end(),
-                     [&](const Vec3& p) { return lumen.inside(p) >= 0.5; });
+  return std::ranges::all_of(tube.centres, [&](const Vec3& p) { return lumen.inside(p) >= 0.5; });
 }
 
 Tube bridge(const Vec3& from, const Vec3& from_direction, double from_radius, const Vec3& to,

@@ -18,8 +18,8 @@ struct Tube {
     radii.push_back(radius);
   }
   void reverse() {
-    std::reverse(centres.begin(), centres.end());
-    std::reverse(radii.begin(), radii.end());
+    std::ranges::reverse(centres);
+    std::ranges::reverse(radii);
   }
   /// Keeps the points [begin, end).
   void cut(std::size_t begin, std::size_t end);

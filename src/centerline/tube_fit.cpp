@@ -58,7 +58,7 @@ class TubeFitter {
     // meet.
     std::ptrdiff_t margin = 0;
     if (tube_.closed) {
-      const double widest = *std::max_element(tube_.radii.begin(), tube_.radii.end());
+      const double widest = *std::ranges::max_element(tube_.radii);
       margin = std::min(count, static_cast<std::ptrdiff_t>(6 * widest / gap_mm_) + 4);
     }
     std::vector<std::size_t> order;

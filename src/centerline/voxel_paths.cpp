@@ -95,7 +95,7 @@ std::vector<std::uint32_t> path_to_nearest(const Lumen& lumen, const Steps& step
     if (wanted(at, here.length)) {
       std::vector<std::uint32_t> path = {at};
       while (path.back() != from) path.push_back(known.at(path.back()).before);
-      std::reverse(path.begin(), path.end());
+      std::ranges::reverse(path);
       return path;
     }
     steps.for_each(at, [&](std::uint32_t to, double length) {

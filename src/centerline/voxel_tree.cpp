@@ -75,7 +75,7 @@ class TreeBuilder {
   /// The centre of the last ball at one end of the object.
   [[nodiscard]] std::uint32_t far_end() const {
     const PathTree tree = shortest_paths(lumen_, steps_, 0, PathCost::kLength);
-    const auto far = std::max_element(tree.length_mm.begin(), tree.length_mm.end());
+    const auto far = std::ranges::max_element(tree.length_mm);
     return climb(lumen_, steps_, static_cast<std::uint32_t>(far - tree.length_mm.begin()));
   }
 
@@ -110,7 +110,7 @@ class TreeBuilder {
   void add_openings(int root_opening) {
     std::vector<int> order(lumen_.openings.size());
     std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
+    std::ranges::sort(order, [&](int a, int b) {
       const float la = tree_.length_mm[opening_voxel(a)], lb = tree_.length_mm[opening_voxel(b)];
       return la != lb ? la > lb : a < b;
     });
@@ -124,7 +124,7 @@ class TreeBuilder {
     path.voxels = {end};
     while (path_of_[path.voxels.back()] < 0 && path.voxels.back() != tree_.root)
       path.voxels.push_back(tree_.before[path.voxels.back()]);
-    std::reverse(path.voxels.begin(), path.voxels.end());
+    std::ranges::reverse(path.voxels);
     path.first.path = path_of_[path.voxels.front()];
     return path;
   }

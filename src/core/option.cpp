@@ -54,8 +54,7 @@ std::string OptionRange::text() const {
 
 std::optional<std::size_t> OptionWord::index_of(std::string_view text) const {
   const auto synonym = synonyms.find(text);
-  const auto found =
-      std::find(words.begin(), words.end(), synonym == synonyms.end() ? text : synonym->second);
+  const auto found = std::ranges::find(words, synonym == synonyms.end() ? text : synonym->second);
   if (found == words.end()) return std::nullopt;
   return static_cast<std::size_t>(found - words.begin());
 }
@@ -71,7 +70,7 @@ std::string OptionRows::width_text() const {
 }
 
 bool Option::is_called(std::string_view text) const {
-  return name == text || std::find(aliases.begin(), aliases.end(), text) != aliases.end();
+  return name == text || std::ranges::find(aliases, text) != aliases.end();
 }
 
 std::string Option::complaint(double value) const {

@@ -77,10 +77,9 @@ std::unique_ptr<Sizing> size_from_axes(const Polylines& axes, double cells_per_d
                 fmt::format("the cells per diameter must be a finite number greater than 0, not {:g}",
                             cells_per_diameter));
   const auto radii = axes.scalars.find("radius");
-  const bool are_good = radii != axes.scalars.end() && !axes.points.empty() &&
-                        radii->second.size() == axes.points.size() &&
-                        std::all_of(radii->second.begin(), radii->second.end(),
-                                    [](double r) { return r > 0 && std::isfinite(r); });
+  const bool are_good =
+      radii != axes.scalars.end() && !axes.points.empty() && radii->second.size() == axes.points.size() &&
+      std::ranges::all_of(radii->second, [](double r) { return r > 0 && std::isfinite(r); });
   if (!are_good)
     throw Error(ErrorKind::kBadInput, "axes for cells per diameter need points with a radius greater than 0");
   return std::make_unique<AxisSizing>(axes, cells_per_diameter);

@@ -43,7 +43,7 @@ class NeededVertices {
     if (v.value < 4 || mesh_.dimension(v) != VertexDimension::kCurve || domain.cut_planes().empty())
       return false;
     const MaterialSet curve = touched_by(v);
-    if (!std::any_of(curve.begin(), curve.end(), [&](Material m) { return domain.is_cut(m); })) return false;
+    if (!std::ranges::any_of(curve, [&](Material m) { return domain.is_cut(m); })) return false;
     const double wanted = spacing_.curve_spacing_at(mesh_.point(v), curve, spacing_.delta_mm());
     return wanted < spacing_.delta_mm() && gap_without(v, curve) > kMaxEdge * wanted;
   }
@@ -64,7 +64,7 @@ class NeededVertices {
         if (w >= 4 && mesh_.dimension(VertexId(w)) <= VertexDimension::kCurve && seen.insert(w).second &&
             touched_by(VertexId(w)).contains_all(curve))
           ways.emplace_back(mesh_.point(VertexId(w)) - mesh_.point(v));
-    std::sort(ways.begin(), ways.end(), [](const Vec3& a, const Vec3& b) {
+    std::ranges::sort(ways, [](const Vec3& a, const Vec3& b) {
       return a.squaredNorm() != b.squaredNorm() ? a.squaredNorm() < b.squaredNorm() : precedes(a, b);
     });
     for (const Vec3& way : ways)
@@ -80,8 +80,7 @@ class NeededVertices {
 std::array<VertexId, 3> corners_by_place(const TetMesh& mesh, TetId t, int f) {
   const Cell<3> face = mesh.face_corners(t, f);
   std::array<VertexId, 3> corners = {VertexId(face[0]), VertexId(face[1]), VertexId(face[2])};
-  std::sort(corners.begin(), corners.end(),
-            [&](VertexId v, VertexId w) { return precedes(mesh.point(v), mesh.point(w)); });
+  std::ranges::sort(corners, [&](VertexId v, VertexId w) { return precedes(mesh.point(v), mesh.point(w)); });
   return corners;
 }
 
@@ -124,16 +123,16 @@ std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& ru
     for (int f = 0; f < 4; ++f) {
       if (!rules.is_boundary(t, f) || mesh.link(t, f).tet() < t) continue;
       const std::array<VertexId, 3> v = corners_by_place(mesh, t, f);
-      if (std::any_of(v.begin(), v.end(), [](VertexId w) { return w.value < 4; })) continue;
-      const bool is_off = std::any_of(
-          v.begin(), v.end(), [&](VertexId w) { return mesh.dimension(w) == VertexDimension::kVolume; });
+      if (std::ranges::any_of(v, [](VertexId w) { return w.value < 4; })) continue;
+      const bool is_off =
+          std::ranges::any_of(v, [&](VertexId w) { return mesh.dimension(w) == VertexDimension::kVolume; });
       const double cosine = cosine_of_smallest_angle(mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]));
       if (!is_off && !(cosine > max_cosine)) continue;
       if (const VertexId gone = superfluous_vertex(mesh, needed, v, first); gone.valid())
         out.push_back({cosine, gone});
     }
   });
-  std::sort(found.begin(), found.end(), [&](const Removal& a, const Removal& b) {
+  std::ranges::sort(found, [&](const Removal& a, const Removal& b) {
     return a.badness != b.badness ? a.badness > b.badness
                                   : precedes(mesh.point(a.vertex), mesh.point(b.vertex));
   });

@@ -62,7 +62,7 @@ void fill_near_boundaries(const Domain& domain, ValueGrid& grid) {
 /// The distance that the nearest neighbours along the axes give: where |grad d| = 1, upwind. Source: Zhao
 /// 2005, A fast sweeping method for eikonal equations, doi:10.1090/S0025-5718-04-01678-3, eq. (2.4).
 double upwind(std::array<double, 3> d, double h) {
-  std::sort(d.begin(), d.end());
+  std::ranges::sort(d);
   double u = d[0] + h;
   if (u <= d[1]) return u;
   u = 0.5 * (d[0] + d[1] + std::sqrt(2 * h * h - (d[0] - d[1]) * (d[0] - d[1])));

@@ -27,8 +27,7 @@ class TouchedMaterials {
   [[nodiscard]] MaterialSet common_to(const Cell<N>& vertices) const {
     MaterialSet common;
     for (const Material m : of_vertex_[vertices[0]])
-      if (std::all_of(vertices.begin(), vertices.end(), [&](auto v) { return of_vertex_[v].contains(m); }))
-        common.insert(m);
+      if (std::ranges::all_of(vertices, [&](auto v) { return of_vertex_[v].contains(m); })) common.insert(m);
     return common;
   }
   [[nodiscard]] MaterialSet common_to_corners(TetId t) const { return common_to(mesh_.tet(t)); }
@@ -81,7 +80,7 @@ bool crosses(const TetMesh& mesh, const Domain& domain, const TouchedMaterials& 
   if (behind.is_boundary() || is_outside(mesh, domain, t) == is_outside(mesh, domain, behind.tet()))
     return false;
   const MaterialSet common = touched.common_to(mesh.face_corners(t, face));
-  return std::all_of(common.begin(), common.end(), [&](Material m) { return domain.is_meshed(m); });
+  return std::ranges::all_of(common, [&](Material m) { return domain.is_meshed(m); });
 }
 
 /// Material that a tetrahedron at such a face is to have, if not its own.

@@ -12,7 +12,7 @@ namespace lumesh::delaunay {
 [[nodiscard]] inline bool is_cut_off(const Domain& domain, const Vec3& x) {
   if (domain.material_count() == domain.label_count()) return false;
   const MaterialSet near = domain.materials_near(x, 1e-2 * domain.resolution_mm());
-  return std::all_of(near.begin(), near.end(), [&](Material m) { return domain.is_cut(m); });
+  return std::ranges::all_of(near, [&](Material m) { return domain.is_cut(m); });
 }
 
 }  // namespace lumesh::delaunay

@@ -52,8 +52,8 @@ Material side_of(const Domain& domain, TetId t, const TetMesh& mesh) {
 /// The material behind two faces of a tetrahedron, if they are flat and the tetrahedron is to have it.
 std::optional<Material> taker_of(const TetMesh& mesh, const Domain& domain, TetId t) {
   const Cell<4>& corners = mesh.tet(t);
-  if (std::none_of(corners.begin(), corners.end(),
-                   [&](std::uint32_t v) { return mesh.dimension(VertexId(v)) <= VertexDimension::kCurve; }))
+  if (std::ranges::none_of(
+          corners, [&](std::uint32_t v) { return mesh.dimension(VertexId(v)) <= VertexDimension::kCurve; }))
     return std::nullopt;
   const Material mine = side_of(domain, t, mesh);
   std::array<Material, 4> behind;

@@ -181,7 +181,7 @@ std::vector<Candidate> IndependentSet::select(TetMesh& mesh, std::vector<Candida
   std::vector<std::uint32_t> lost(candidates.size(), 0);
   const auto shared = parallel::collect<SharedTet>(candidates.size(), [&](std::size_t i, auto& out) {
     const std::vector<TetId>& tets = replaced[i].tets;
-    lost[i] = static_cast<std::uint32_t>(tets.empty() || std::any_of(tets.begin(), tets.end(), [&](TetId t) {
+    lost[i] = static_cast<std::uint32_t>(tets.empty() || std::ranges::any_of(tets, [&](TetId t) {
                                            return first_of(t) != i && is_too_near(first_of(t), i);
                                          }));
     if (lost[i] != 0) return;

@@ -58,7 +58,7 @@ struct NearestPoints::Builder {
   }
 
   [[nodiscard]] std::uint32_t nearest(std::span<const std::uint32_t> from, const Vec3& x) const {
-    return *std::min_element(from.begin(), from.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return *std::ranges::min_element(from, [&](std::uint32_t a, std::uint32_t b) {
       return (points[a] - x).squaredNorm() < (points[b] - x).squaredNorm();
     });
   }
@@ -79,7 +79,7 @@ struct NearestPoints::Builder {
     std::vector<std::uint32_t> few = {best};
     for (const std::uint32_t p : kept) {
       if (p == best ||
-          std::any_of(few.begin(), few.end(), [&](std::uint32_t q) { return beats(q, p, block, kMaxError); }))
+          std::ranges::any_of(few, [&](std::uint32_t q) { return beats(q, p, block, kMaxError); }))
         continue;
       if (few.size() == max_count) return {};
       few.push_back(p);

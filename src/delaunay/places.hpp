@@ -14,7 +14,7 @@ using CornerPlaces = std::array<Vec3, 4>;
 /// Places of the corners, sorted by precedes().
 [[nodiscard]] inline CornerPlaces corner_places(const TetMesh& mesh, TetId t) {
   CornerPlaces corners = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.corner(t, 3)};
-  std::sort(corners.begin(), corners.end(), precedes);
+  std::ranges::sort(corners, precedes);
   return corners;
 }
 

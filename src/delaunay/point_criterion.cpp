@@ -46,7 +46,7 @@ class PointCriterion final : public Sizing {
     constexpr double kSlack = 1 + 2 * delaunay::NearestPoints::kMaxError;
     std::array<double, 4> distances;
     for (std::size_t i = 0; i < 4; ++i) distances[i] = quick_.distance(corners_mm[i]);
-    if (*std::min_element(distances.begin(), distances.end()) > quick_from_mm_) {
+    if (*std::ranges::min_element(distances) > quick_from_mm_) {
       const double longest = longest_edge(corners_mm, distances);
       if (longest > adapt_const_ || kSlack * longest < adapt_const_) return longest > adapt_const_;
     }

@@ -100,9 +100,8 @@ std::vector<VertexId> Refinement::newly_pinched(std::span<const TetId> fresh) {
     for (const std::uint32_t v : mesh_.tet(t))
       if (v >= 4) suspects.emplace_back(v);
   sort_unique(suspects);
-  std::erase_if(*pinched_, [&](VertexId v) {
-    return !mesh_.alive(v) || std::binary_search(suspects.begin(), suspects.end(), v);
-  });
+  std::erase_if(*pinched_,
+                [&](VertexId v) { return !mesh_.alive(v) || std::ranges::binary_search(suspects, v); });
   std::vector<VertexId> found = pinched_among(mesh_, spacing_.domain(), suspects);
   pinched_->insert(pinched_->end(), found.begin(), found.end());
   return found;
@@ -181,9 +180,8 @@ DelaunayRound Refinement::run_round() {
   round.tets_looked_at = fresh.size();
   // Shapes first: their points repair most pinched vertices.
   constexpr std::uint32_t kFew = 1000;  // One of so many vertices.
-  const auto of_surfaces = std::count_if(candidates.begin(), candidates.end(), [](const Candidate& w) {
-    return w.dimension != VertexDimension::kVolume;
-  });
+  const auto of_surfaces = std::ranges::count_if(
+      candidates, [](const Candidate& w) { return w.dimension != VertexDimension::kVolume; });
   if (pinched_ || of_surfaces <= static_cast<std::ptrdiff_t>(mesh_.vertex_count() / kFew)) {
     const std::vector<Candidate> more = topology_candidates(newly_pinched(fresh));
     candidates.insert(candidates.end(), more.begin(), more.end());

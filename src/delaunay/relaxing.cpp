@@ -84,8 +84,8 @@ class Relaxation {
   void sort_into_levels() {
     for (std::uint32_t i = 0; i < points_.size(); ++i) {
       const int exponent = level_of(candidate(i).spacing);
-      auto level = std::find_if(levels_.begin(), levels_.end(),
-                                [&](const PointCubes& one) { return one.exponent() == exponent; });
+      auto level =
+          std::ranges::find_if(levels_, [&](const PointCubes& one) { return one.exponent() == exponent; });
       if (level == levels_.end()) level = levels_.insert(levels_.end(), PointCubes(exponent));
       level->add(points_[i], i);
     }

@@ -117,12 +117,12 @@ std::optional<Candidate> Rules::candidate_for_face(TetId t, int face, const Circ
   if (!found) return std::nullopt;
   const DualEdge& dual = *found;
   Cell<3> corners = mesh_.face_corners(t, face);
-  std::sort(corners.begin(), corners.end(), [&](std::uint32_t v, std::uint32_t w) {
+  std::ranges::sort(corners, [&](std::uint32_t v, std::uint32_t w) {
     return precedes(mesh_.point(VertexId(v)), mesh_.point(VertexId(w)));
   });
   const Vec3 &a = mesh_.point(VertexId(corners[0])), &b = mesh_.point(VertexId(corners[1])),
              &c = mesh_.point(VertexId(corners[2]));
-  const bool is_off = std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
+  const bool is_off = std::ranges::any_of(corners, [&](std::uint32_t v) {
     return v < 4 || mesh_.dimension(VertexId(v)) == VertexDimension::kVolume;
   });
   const bool is_bad = is_off || cosine_of_smallest_angle(a, b, c) > cosine_of_facet_angle_;

@@ -151,7 +151,7 @@ class LatticeDescent {
     };
     std::array<bool, 8> holds{};
     for (int child = 0; child < 8; ++child) holds[static_cast<std::size_t>(child)] = descend_to(child);
-    if (std::none_of(holds.begin(), holds.end(), [](bool h) { return h; })) return false;
+    if (std::ranges::none_of(holds, [](bool h) { return h; })) return false;
     add_outer(low, size, holds, out);
     return true;
   }

@@ -24,7 +24,7 @@ struct Level {
   std::vector<std::vector<std::uint32_t>> taken;  // Of each cube.
 
   [[nodiscard]] const std::vector<std::uint32_t>* taken_in(const Index3& cube) const {
-    const auto at = std::lower_bound(cubes.begin(), cubes.end(), cube, comes_before);
+    const auto at = std::ranges::lower_bound(cubes, cube, comes_before);
     if (at == cubes.end() || *at != cube) return nullptr;
     return &taken[static_cast<std::size_t>(at - cubes.begin())];
   }
@@ -52,9 +52,9 @@ class Thinning {
     std::vector<int> exponents;
     for (const BoundaryCandidate& c : candidates_) {
       const int e = level_of(c.spacing);
-      if (std::find(exponents.begin(), exponents.end(), e) == exponents.end()) exponents.push_back(e);
+      if (std::ranges::find(exponents, e) == exponents.end()) exponents.push_back(e);
     }
-    std::sort(exponents.begin(), exponents.end());
+    std::ranges::sort(exponents);
     for (const int e : exponents) levels_.push_back(level_with(e));
   }
 
@@ -115,7 +115,7 @@ class Thinning {
 
   [[nodiscard]] bool is_near_any(const BoundaryCandidate& mine,
                                  const std::vector<std::uint32_t>& taken) const {
-    return std::any_of(taken.begin(), taken.end(), [&](std::uint32_t other) {
+    return std::ranges::any_of(taken, [&](std::uint32_t other) {
       const BoundaryCandidate& its = candidates_[other];
       return (its.point - mine.point).squaredNorm() < std::pow(clearance(mine, its), 2);
     });

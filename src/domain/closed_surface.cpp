@@ -154,7 +154,7 @@ Vec3 normal_of(const ClosedSurface& surface, std::uint32_t t) {
 /// @param patches  Of the file; caps of open ends are openings without a name.
 void check_crossings(const ClosedSurface& surface, std::span<const Patch> patches) {
   const std::vector<SelfCrossing> crossings = find_self_crossings(surface.points, surface.triangles);
-  const auto sheets = std::find_if(crossings.begin(), crossings.end(), [&](const SelfCrossing& crossing) {
+  const auto sheets = std::ranges::find_if(crossings, [&](const SelfCrossing& crossing) {
     return !is_close_along(surface.neighbours, crossing.first, crossing.second);
   });
   if (sheets == crossings.end()) return;

@@ -72,8 +72,7 @@ class VesselContinuation final : public FieldContinuation {
     if (!frame_.contains(v)) return false;
     if (cuts_.empty()) return true;
     const Vec3 x = frame_.to_physical(v.cast<double>());
-    return std::none_of(cuts_.begin(), cuts_.end(),
-                        [&](const CutPlane& cut) { return cut.beyond_mm(x) > 0; });
+    return std::ranges::none_of(cuts_, [&](const CutPlane& cut) { return cut.beyond_mm(x) > 0; });
   }
   [[nodiscard]] bool has_cuts() const { return !cuts_.empty(); }
   [[nodiscard]] const std::vector<IndexBox>& tube_boxes() const { return boxes_; }
@@ -129,8 +128,8 @@ class VesselContinuation final : public FieldContinuation {
   /// Whether a cut may remove a voxel of the box.
   [[nodiscard]] bool may_be_cut(const IndexBox& box) const {
     const Circle ball = ball_around(box);
-    return std::any_of(cuts_.begin(), cuts_.end(),
-                       [&](const CutPlane& cut) { return cut.beyond_mm(ball.centre_mm) > -ball.radius_mm; });
+    return std::ranges::any_of(
+        cuts_, [&](const CutPlane& cut) { return cut.beyond_mm(ball.centre_mm) > -ball.radius_mm; });
   }
 
   const ImageDomain& domain_;

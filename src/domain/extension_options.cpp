@@ -34,8 +34,8 @@ std::vector<NamedLength> named_lengths_from(const std::string& text) {
     NamedLength one;
     if (equals != std::string::npos) one.opening = trimmed(part.substr(0, equals));
     one.length = local_length_from(equals == std::string::npos ? part : part.substr(equals + 1));
-    const bool is_twice = std::any_of(lengths.begin(), lengths.end(),
-                                      [&](const NamedLength& other) { return other.opening == one.opening; });
+    const bool is_twice =
+        std::ranges::any_of(lengths, [&](const NamedLength& other) { return other.opening == one.opening; });
     if (is_twice)
       throw Error(ErrorKind::kUsage, one.opening.empty() ? "has two lengths for all openings"
                                                          : "has two lengths for " + one.opening);
@@ -51,7 +51,7 @@ double length_wanted_mm(std::span<const NamedLength> lengths, const std::vector<
   for (const NamedLength& wanted : lengths) {
     const double length_mm = wanted.length.in_mm(radius_mm);
     if (wanted.opening.empty()) for_all = length_mm;
-    if (std::find(names.begin(), names.end(), wanted.opening) == names.end()) continue;
+    if (std::ranges::find(names, wanted.opening) == names.end()) continue;
     if (named && *named != length_mm)
       throw Error(ErrorKind::kBadInput,
                   fmt::format("{}: {} and what is around it are one vessel, and have two lengths",
@@ -70,8 +70,7 @@ double length_wanted_mm(std::span<const NamedLength> lengths, const std::vector<
 void check_names_of(std::span<const NamedLength> lengths, const std::vector<std::string>& openings,
                     const std::string& where) {
   for (const NamedLength& wanted : lengths)
-    if (!wanted.opening.empty() &&
-        std::find(openings.begin(), openings.end(), wanted.opening) == openings.end())
+    if (!wanted.opening.empty() && std::ranges::find(openings, wanted.opening) == openings.end())
       throw Error(
           ErrorKind::kBadInput,
           fmt::format("{}: {} has no opening {}; it has {}", option_name("extend"), where, wanted.opening,

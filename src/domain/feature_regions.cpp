@@ -20,8 +20,8 @@ constexpr std::uint32_t kNoRegion = ~0u;
 FeatureRegions sorted_by_area(FeatureRegions found) {
   std::vector<std::uint32_t> order(found.count()), number(found.count());
   for (std::uint32_t r = 0; r < order.size(); ++r) order[r] = r;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return found.areas_mm2[a] > found.areas_mm2[b]; });
+  std::ranges::stable_sort(
+      order, [&](std::uint32_t a, std::uint32_t b) { return found.areas_mm2[a] > found.areas_mm2[b]; });
   FeatureRegions sorted;
   for (std::uint32_t r = 0; r < order.size(); ++r) {
     number[order[r]] = r;
@@ -48,7 +48,7 @@ std::uint32_t best_neighbour(const ClosedSurface& surface, const FeatureRegions&
     }
   if (!of_same_patch_mm.empty())
     border_mm = std::move(of_same_patch_mm);
-  else if (std::count(found.patches.begin(), found.patches.end(), found.patches[region]) == 1)
+  else if (std::ranges::count(found.patches, found.patches[region]) == 1)
     return region;
   std::uint32_t best = region;
   double longest = 0;

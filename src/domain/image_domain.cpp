@@ -112,8 +112,7 @@ MaterialSet ImageDomain::with_stumps(const MaterialSet& labels, const Vec3& poin
   for (std::size_t c = 0; c < cuts_.size(); ++c) {
     const double beyond_mm = cuts_[c].is_bounded() ? cuts_[c].beyond_mm(point_mm) : -reach_mm - 1;
     if (beyond_mm < -reach_mm) continue;
-    const bool has_object =
-        std::any_of(labels.begin(), labels.end(), [&](Material m) { return is_meshed(m); });
+    const bool has_object = std::ranges::any_of(labels, [&](Material m) { return is_meshed(m); });
     if (!has_object) continue;
     if (beyond_mm > reach_mm) {
       near = MaterialSet();

@@ -56,8 +56,7 @@ NamedRegions::NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& 
   std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
   std::erase_if(used, [&](std::int32_t number) { return is_cap_of_file(number); });
   // One is left where cuts took the others: its name stays.
-  const auto known =
-      std::count_if(patches_.begin(), patches_.end(), [](const Patch& p) { return !is_cap(p); });
+  const auto known = std::ranges::count_if(patches_, [](const Patch& p) { return !is_cap(p); });
   has_named_patches = used.size() > 1 || (used.size() == 1 && known > 1);
   name_regions();
 }

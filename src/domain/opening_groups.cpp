@@ -33,7 +33,7 @@ std::vector<Vec3> rim_places(const Opening& opening) {
 bool do_touch(const Opening& a, const Opening& b, std::span<const Vec3> rim_of_a) {
   constexpr double kSteps = 1.5;
   const double reach_mm = kSteps * std::max(a.squares->step_mm, b.squares->step_mm);
-  return std::any_of(rim_of_a.begin(), rim_of_a.end(), [&](const Vec3& x) {
+  return std::ranges::any_of(rim_of_a, [&](const Vec3& x) {
     const Vec3 u = reach_mm * a.squares->u, v = reach_mm * a.squares->v;
     return b.squares->hold(x + u) || b.squares->hold(x - u) || b.squares->hold(x + v) ||
            b.squares->hold(x - v);
@@ -110,8 +110,8 @@ std::shared_ptr<CarriedSection> section_of(std::span<const Opening> openings,
     const std::size_t row = s / columns, column = s % columns;
     const Vec3 x = section->first_mm + section->step_mm * (static_cast<double>(column) * section->u +
                                                            static_cast<double>(row) * section->v);
-    const bool is_own = std::any_of(own.members.begin(), own.members.end(),
-                                    [&](std::size_t m) { return openings[m].squares->hold(x); });
+    const bool is_own =
+        std::ranges::any_of(own.members, [&](std::size_t m) { return openings[m].squares->hold(x); });
     const double off_mm = is_own ? 0 : nearest_mm(rim, x);
     section->inside[s] = static_cast<float>(std::min(air_mm - off_mm, (nearest_mm(others, x) - off_mm) / 2));
   });

@@ -34,7 +34,7 @@ struct PiecesAround {
 void mark_rims(std::span<Opening> openings);
 
 [[nodiscard]] inline bool has_label(std::span<const Opening> openings, Label label) {
-  return std::any_of(openings.begin(), openings.end(), [&](const Opening& o) { return o.label == label; });
+  return std::ranges::any_of(openings, [&](const Opening& o) { return o.label == label; });
 }
 
 /// Sets the names of all openings, in their order.

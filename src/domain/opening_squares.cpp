@@ -75,7 +75,7 @@ std::vector<double> OpeningSquares::hole_areas_mm2() const {
 double Opening::hole_mm2() const {
   if (!squares) return 0;
   const std::vector<double> holes_mm2 = squares->hole_areas_mm2();
-  const double largest = holes_mm2.empty() ? 0 : *std::max_element(holes_mm2.begin(), holes_mm2.end());
+  const double largest = holes_mm2.empty() ? 0 : *std::ranges::max_element(holes_mm2);
   return largest > kMinSurrounded * area_mm2 ? largest : 0;
 }
 

@@ -136,9 +136,8 @@ class PlaneOpenings {
     for (const auto& [number, of_part] : squares) {
       const Vec3 place = coarse.centre_of(of_part.front());
       const Label label = domain_.label_of(coarse.material(of_part.front()));
-      const bool is_known = std::any_of(openings.begin(), openings.end(), [&](const Opening& o) {
-        return o.label == label && o.squares->hold(place);
-      });
+      const bool is_known = std::ranges::any_of(
+          openings, [&](const Opening& o) { return o.label == label && o.squares->hold(place); });
       if (is_known) continue;  // On the fine grid the two were one.
       const Opening found = measure(coarse, of_part);
       if (found.area_mm2 >= kMinArea * voxel_face_mm2(domain_, plane_.normal)) openings.push_back(found);
@@ -261,8 +260,7 @@ std::vector<Opening> find_openings(const Domain& domain) {
     const std::vector<Opening> more = PlaneOpenings(domain, cut).find();
     all.insert(all.end(), more.begin(), more.end());
   }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Opening& a, const Opening& b) { return a.area_mm2 > b.area_mm2; });
+  std::ranges::stable_sort(all, [](const Opening& a, const Opening& b) { return a.area_mm2 > b.area_mm2; });
   name_openings(PatchNaming(domain.label_names()), all);
   return all;
 }

@@ -113,7 +113,7 @@ std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   const std::vector<double> holes_mm2 = opening.squares->hole_areas_mm2();
   const std::size_t most = 1 + holes_mm2.size();
   const auto least = static_cast<std::size_t>(
-      1 + std::count_if(holes_mm2.begin(), holes_mm2.end(), [&](double mm2) { return mm2 > voxel_mm2; }));
+      1 + std::ranges::count_if(holes_mm2, [&](double mm2) { return mm2 > voxel_mm2; }));
   if (o.shape.parts == 1 && (o.shape.rims < least || o.shape.rims > most))
     lines.push_back(fmt::format("{} at {} has {} rims, not {}", o.patches, place_text(opening.centre_mm),
                                 o.shape.rims, least));

@@ -77,8 +77,7 @@ class OpeningGroups {
       group.centres_mm.push_back((a + b + c) / 3);
     }
     for (const std::uint32_t i : beside_another_) groups_[number.at(sets_.find(i))].is_beside_another = true;
-    std::stable_sort(groups_.begin(), groups_.end(),
-                     [](const Group& a, const Group& b) { return a.area_mm2 > b.area_mm2; });
+    std::ranges::stable_sort(groups_, [](const Group& a, const Group& b) { return a.area_mm2 > b.area_mm2; });
   }
 
   std::vector<std::uint32_t> members_;
@@ -183,8 +182,7 @@ class OpeningNames {
   /// Name of an opening; those that the domain does not know are counted on.
   [[nodiscard]] std::string name_of(std::size_t number) const {
     if (number < openings_.size()) return openings_[number].name;
-    const auto rims =
-        std::count_if(openings_.begin(), openings_.end(), [](const Opening& o) { return o.is_rim; });
+    const auto rims = std::ranges::count_if(openings_, [](const Opening& o) { return o.is_rim; });
     return opening_name(number - static_cast<std::size_t>(rims));
   }
   /// Wall of the group's label; a new one where the mesh has none.
@@ -226,7 +224,7 @@ std::vector<BoundaryTriangle> with_flat_openings(std::span<const BoundaryTriangl
     if (!domain.is_cut(face.outside)) continue;
     const CutPlane& plane = domain.cut_plane(face.outside);
     const auto is_off = [&](std::uint32_t v) { return std::abs(plane.height(positions[v])) > max_off_mm; };
-    if (std::any_of(face.vertices.begin(), face.vertices.end(), is_off)) face.outside = 0;
+    if (std::ranges::any_of(face.vertices, is_off)) face.outside = 0;
   }
   return faces;
 }

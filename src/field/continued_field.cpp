@@ -69,7 +69,7 @@ class ContinuedFieldBuilder {
     std::vector<LabelField::Pair> pairs;
     const auto add = [&](LabelIndex a, LabelIndex b) {
       const LabelIndex first_label = std::min(a, b), second = std::max(a, b);
-      const bool is_known = std::any_of(pairs.begin(), pairs.end(), [&](const LabelField::Pair& p) {
+      const bool is_known = std::ranges::any_of(pairs, [&](const LabelField::Pair& p) {
         return p.first == first_label && (first_label == 0 || p.second == second);
       });
       if (!is_known) pairs.push_back({first_label, second});
@@ -87,7 +87,7 @@ class ContinuedFieldBuilder {
         if (j < high.y()) add_faces(row, row_at(low.x(), j + 1, k), count);
         if (k < high.z()) add_faces(row, row_at(low.x(), j, k + 1), count);
       }
-    std::sort(pairs.begin(), pairs.end(), [](const LabelField::Pair& a, const LabelField::Pair& b) {
+    std::ranges::sort(pairs, [](const LabelField::Pair& a, const LabelField::Pair& b) {
       return a.first != b.first ? a.first < b.first : a.second < b.second;
     });
     return pairs;
@@ -98,9 +98,9 @@ class ContinuedFieldBuilder {
     const Index3 first = first_stored(brick);
     for_each_place(first, first + Index3::Constant(kStored - 1), [&](const Index3& voxel) {
       const LabelIndex label = image_.at(clamped(voxel));
-      if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
+      if (std::ranges::find(labels, label) == labels.end()) labels.push_back(label);
     });
-    std::sort(labels.begin(), labels.end());
+    std::ranges::sort(labels);
     return labels;
   }
 

@@ -133,7 +133,7 @@ FieldSample LabelField::sample(const Vec3& index, LabelIndex label) const {
   const Place place = locate(index);
   if (place.brick == nullptr) return {place.uniform == label ? kFieldLimit : -kFieldLimit, Vec3::Zero()};
   const auto labels = labels_of(*place.brick);
-  if (!std::binary_search(labels.begin(), labels.end(), label)) return {-kFieldLimit, Vec3::Zero()};
+  if (!std::ranges::binary_search(labels, label)) return {-kFieldLimit, Vec3::Zero()};
   const BlockRef ref = min_block(place, label);
   return ref.sign == 0 ? FieldSample{kFieldLimit, Vec3::Zero()} : block_sample(ref, place);
 }

@@ -134,9 +134,9 @@ class LabelFieldBuilder {
       const LabelIndex label = image_.at(clamped(voxel));
       if (!labels.empty() && label == last) return;
       last = label;
-      if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
+      if (std::ranges::find(labels, label) == labels.end()) labels.push_back(label);
     });
-    std::sort(labels.begin(), labels.end());
+    std::ranges::sort(labels);
     return labels;
   }
 

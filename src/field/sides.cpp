@@ -116,7 +116,7 @@ std::vector<std::uint8_t> thin_runs(const Band& band, const std::vector<std::arr
 /// Marks the ends and corners of thin parts, too, where the boundary turns: voxels on runs of one or two next
 /// to a marked one.
 std::vector<std::uint8_t> with_rims(const Band& band, const std::vector<std::uint8_t>& thin) {
-  if (std::all_of(thin.begin(), thin.end(), [](std::uint8_t bits) { return bits == 0; })) return thin;
+  if (std::ranges::all_of(thin, [](std::uint8_t bits) { return bits == 0; })) return thin;
   std::vector<std::array<std::uint8_t, 3>> all(band.segment_count());
   for (int s = 1; s < band.end(); ++s)
     all[static_cast<std::size_t>(s)] = {band.faces(s, 0), band.faces(s, 1), band.faces(s, 2)};

@@ -266,7 +266,7 @@ struct StiffnessLoops {
 namespace {
 
 bool has_any(const std::vector<std::uint8_t>& bits) {
-  return std::any_of(bits.begin(), bits.end(), [](std::uint8_t b) { return b != 0; });
+  return std::ranges::any_of(bits, [](std::uint8_t b) { return b != 0; });
 }
 
 }  // namespace

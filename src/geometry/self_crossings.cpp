@@ -61,8 +61,8 @@ bool meet_in_plane(const Corners& a, const Corners& b) {
   const Corners of_a = anticlockwise(plane, a), of_b = anticlockwise(plane, b);
   const auto parted_by_edge_of = [&](const Corners& one, const Corners& other) {
     for (std::size_t k = 0; k < 3; ++k)
-      if (std::all_of(other.begin(), other.end(),
-                      [&](const Vec3& x) { return plane.left_of(one[k], one[(k + 1) % 3], x) < 0; }))
+      if (std::ranges::all_of(other,
+                              [&](const Vec3& x) { return plane.left_of(one[k], one[(k + 1) % 3], x) < 0; }))
         return true;
     return false;
   };

@@ -164,7 +164,7 @@ std::vector<std::uint32_t> TriangleTree::overlapping(const Vec3& low, const Vec3
     for (std::size_t i = first_item(depth_, leaf); i < first_item(depth_, leaf + 1); ++i)
       if (box_of_item(i).meets(query)) found.push_back(ids_[i]);
   });
-  std::sort(found.begin(), found.end());
+  std::ranges::sort(found);
   return found;
 }
 
@@ -187,7 +187,7 @@ std::vector<std::array<std::uint32_t, 2>> TriangleTree::pairs(
           }
         });
       });
-  std::sort(found.begin(), found.end());
+  std::ranges::sort(found);
   return found;
 }
 

@@ -170,8 +170,8 @@ CrossingCounts count_crossings(const LabelImage& image) {
     });
     return faces;
   });
-  counts.crossed = static_cast<std::size_t>(
-      std::count_if(image.crossings().begin(), image.crossings().end(), [&](const FaceCrossing& c) {
+  counts.crossed =
+      static_cast<std::size_t>(std::ranges::count_if(image.crossings(), [&](const FaceCrossing& c) {
         return is_face(c.voxel, c.voxel + grid_offset(size, Index3::Unit(c.axis)));
       }));
   return counts;

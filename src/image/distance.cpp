@@ -143,7 +143,7 @@ class Transform {
   bool row_distances(const LabelImage::Index* row, std::vector<float>& squared) const {
     const int width = size_.x();
     if (std::equal(row + 1, row + width, row)) return false;
-    std::fill(squared.begin(), squared.end(), limit_squared_);
+    std::ranges::fill(squared, limit_squared_);
     const float unit = steps_[0].squared_mm;
     for (int begin = 0; begin < width;) {
       int end = begin + 1;

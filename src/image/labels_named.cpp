@@ -20,7 +20,7 @@ std::string first_labels(std::span<const Label> labels) {
 void require_labels(const std::string& option, const std::map<Label, double>& values,
                     std::span<const Label> present) {
   for (const auto& entry : values)
-    if (!std::binary_search(present.begin(), present.end(), entry.first))
+    if (!std::ranges::binary_search(present, entry.first))
       throw Error(ErrorKind::kBadInput, "has no label " + std::to_string(entry.first) + " to mesh, which " +
                                             option + " names; it has " + first_labels(present));
 }

@@ -123,10 +123,10 @@ OutletPath outlet_path(const PhantomGeometry& geometry, std::size_t branch, cons
   OutletPath path;
   path.points = round_corners(resample(clip(joined, impl), step_mm), step_mm);
   const auto nearest = [&](const Vec3& p) {
-    return std::min_element(path.points.begin(), path.points.end(),
-                            [&](const AxisPoint& a, const AxisPoint& b) {
-                              return (a.centre - p).squaredNorm() < (b.centre - p).squaredNorm();
-                            }) -
+    return std::ranges::min_element(path.points,
+                                    [&](const AxisPoint& a, const AxisPoint& b) {
+                                      return (a.centre - p).squaredNorm() < (b.centre - p).squaredNorm();
+                                    }) -
            path.points.begin();
   };
   path.flow.assign(path.points.size(), 1.0);

@@ -104,7 +104,7 @@ std::vector<Component> list_components(const LabelImage& image, const RunImage& 
     shown.voxel_count += static_cast<std::size_t>(run.end - run.begin);
     shown.box.add({run.begin, j, k}, {run.end, j + 1, k + 1});
   });
-  std::stable_sort(components.begin(), components.end(), [](const Component& a, const Component& b) {
+  std::ranges::stable_sort(components, [](const Component& a, const Component& b) {
     if (a.run_label != b.run_label) return a.run_label < b.run_label;
     return a.shown.voxel_count > b.shown.voxel_count;
   });
@@ -174,7 +174,7 @@ std::size_t keep_component_of(LabelImage& image, const Index3& voxel, ComponentS
   const RunImage runs = image::find_runs(image, run_labels(scope));
   DisjointSets sets = image::connected(runs);
   const std::span<const Run> row = runs.of_row(runs.row(voxel.y(), voxel.z()));
-  const auto own = std::find_if(row.begin(), row.end(), [&](const Run& run) { return voxel.x() < run.end; });
+  const auto own = std::ranges::find_if(row, [&](const Run& run) { return voxel.x() < run.end; });
   LUMESH_ASSERT(own != row.end() && own->begin <= voxel.x());
   const std::uint32_t root = sets.find(static_cast<std::uint32_t>(&*own - runs.runs.data()));
   return keep_runs(image, runs, sets, [&](std::uint32_t r) { return r == root; });

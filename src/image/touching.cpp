@@ -184,9 +184,8 @@ ThinPlace place_of_group(const VesselChunks& chunks, const std::vector<ContactEl
   const auto at = [&](std::size_t e) { return Vec3(chunks.place_of(elements[e].voxel).cast<double>()); };
   Vec3 middle = Vec3::Zero();
   for (const std::size_t e : best) middle += at(e) / static_cast<double>(best.size());
-  const auto nearest = std::min_element(best.begin(), best.end(), [&](std::size_t a, std::size_t b) {
-    return (at(a) - middle).norm() < (at(b) - middle).norm();
-  });
+  const auto nearest = std::ranges::min_element(
+      best, [&](std::size_t a, std::size_t b) { return (at(a) - middle).norm() < (at(b) - middle).norm(); });
   place.voxel = chunks.low() + chunks.place_of(elements[*nearest].voxel);
   return place;
 }
@@ -218,9 +217,8 @@ std::vector<ThinPlace> bridges_of(const VesselChunks& chunks, const std::set<Pai
       thick_beside[strands.find(face.second)].insert(face.first);
   }
   const auto joins_any = [&](const std::set<std::uint32_t>& thick) {
-    return std::any_of(thick.begin(), thick.end(), [&](std::uint32_t a) {
-      return std::any_of(thick.begin(), thick.end(),
-                         [&](std::uint32_t b) { return a < b && chunks.saddle(a, b) == 0; });
+    return std::ranges::any_of(thick, [&](std::uint32_t a) {
+      return std::ranges::any_of(thick, [&](std::uint32_t b) { return a < b && chunks.saddle(a, b) == 0; });
     });
   };
   for (const auto& [strand, thick] : thick_beside) {
@@ -309,7 +307,7 @@ std::vector<ThinPlace> find_thin_places(const LabelImage& image) {
   for (const std::vector<std::size_t>& group : grouped(chunks, elements))
     places.push_back(place_of_group(chunks, elements, group));
   for (const ThinPlace& bridge : bridges_of(chunks, touching)) places.push_back(bridge);
-  std::stable_sort(places.begin(), places.end(), [](const ThinPlace& a, const ThinPlace& b) {
+  std::ranges::stable_sort(places, [](const ThinPlace& a, const ThinPlace& b) {
     return a.kind != b.kind ? a.kind < b.kind : a.size > b.size;
   });
   return places;

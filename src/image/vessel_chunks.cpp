@@ -161,7 +161,7 @@ void VesselChunks::find_faces() {
           }
         }
       });
-  std::stable_sort(faces_.begin(), faces_.end(), [](const ChunkFace& a, const ChunkFace& b) {
+  std::ranges::stable_sort(faces_, [](const ChunkFace& a, const ChunkFace& b) {
     return std::tie(a.first, a.second) < std::tie(b.first, b.second);
   });
   saddles_.clear();
@@ -173,7 +173,7 @@ void VesselChunks::find_faces() {
     chunks_[face.first].beside.push_back(face.second);
     chunks_[face.second].beside.push_back(face.first);
   }
-  for (Chunk& chunk : chunks_) std::sort(chunk.beside.begin(), chunk.beside.end());
+  for (Chunk& chunk : chunks_) std::ranges::sort(chunk.beside);
 }
 
 /// Whether a chunk lies between two others of about its width that are opposite to each other: in a vessel.
@@ -245,14 +245,14 @@ bool VesselChunks::continue_interrupted_vessels() {
   const auto goes_straight_on = [&](std::uint32_t from, std::uint32_t through) {
     const Vec3 way = to(from, through).normalized();
     const std::vector<std::uint32_t>& beside = chunks_[through].beside;
-    return std::any_of(beside.begin(), beside.end(), [&](std::uint32_t next) {
+    return std::ranges::any_of(beside, [&](std::uint32_t next) {
       return next != from && to(through, next).normalized().dot(way) > kStraight;
     });
   };
   const auto is_joined = [&](std::uint32_t a, std::uint32_t b) {
     const float least = kWide * std::min(chunks_[a].half_width, chunks_[b].half_width),
                 most = std::max(chunks_[a].half_width, chunks_[b].half_width) / kThinner;
-    return std::any_of(chunks_[a].beside.begin(), chunks_[a].beside.end(), [&](std::uint32_t c) {
+    return std::ranges::any_of(chunks_[a].beside, [&](std::uint32_t c) {
       return chunks_[c].half_width < most && std::min(saddle(a, c), saddle(c, b)) >= least;
     });
   };

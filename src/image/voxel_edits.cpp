@@ -131,8 +131,8 @@ VoxelsChanged fill_cavities(LabelImage& image) {
       for_each_beside(image.frame(), voxel, [&](const Index3& beside) {
         if (image.at(beside) != 0) ++counts[image.at(beside)];
       });
-    const auto most = std::max_element(counts.begin(), counts.end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto most =
+        std::ranges::max_element(counts, [](const auto& a, const auto& b) { return a.second < b.second; });
     const LabelImage::Index label = most->first;
     ++changed.places;
     for (const Index3& voxel : piece) {
@@ -207,8 +207,7 @@ std::vector<WallHole> find_wall_holes(const LabelImage& image) {
       holes.push_back(hole);
     }
   }
-  std::stable_sort(holes.begin(), holes.end(),
-                   [](const WallHole& a, const WallHole& b) { return a.faces > b.faces; });
+  std::ranges::stable_sort(holes, [](const WallHole& a, const WallHole& b) { return a.faces > b.faces; });
   return holes;
 }
 

@@ -252,8 +252,7 @@ class Walk {
     const bool is_sequence = e.type == kSequenceType || (!coding.has_types && !is_pixels(e.tag) &&
                                                          e.length >= 8 && is_item_next(coding));
     if (is_sequence) return items(at_ + e.length, coding, Ends::kThere, depth);
-    const auto* const kept =
-        std::find_if(kKept.begin(), kKept.end(), [&](const Kept& k) { return k.tag == e.tag; });
+    const auto* const kept = std::ranges::find_if(kKept, [&](const Kept& k) { return k.tag == e.tag; });
     if (depth > 0 || kept == kKept.end()) return skip(e.length);
     if (e.type != kNoType && e.type != kept->type) damaged();
     keep(e);
@@ -332,11 +331,10 @@ std::optional<DicomSlice> slice_of(const fs::path& path, const Walk& walk) {
   const std::vector<double> place = numbers_of(walk.text(kPosition)),
                             axes = numbers_of(walk.text(kOrientation)), pixel = numbers_of(size);
   const auto is_good = [](double x) { return std::isfinite(x) && x > 0; };
-  if (!size.empty() && (pixel.size() != 2 || !std::all_of(pixel.begin(), pixel.end(), is_good)))
+  if (!size.empty() && (pixel.size() != 2 || !std::ranges::all_of(pixel, is_good)))
     fail(path, fmt::format("has a pixel spacing of \"{}\"; two numbers above 0 are needed", size));
   const auto is_finite = [](double x) { return std::isfinite(x); };
-  if (!std::all_of(place.begin(), place.end(), is_finite) ||
-      !std::all_of(axes.begin(), axes.end(), is_finite))
+  if (!std::ranges::all_of(place, is_finite) || !std::ranges::all_of(axes, is_finite))
     fail(path, "has a place or directions that are no finite numbers");
   if (place.size() != 3 || axes.size() != 6 || pixel.size() != 2) return std::nullopt;
   return DicomSlice{path.filename().string(), Vec3(place[0], place[1], place[2]),
@@ -348,12 +346,11 @@ std::optional<DicomSlice> slice_of(const fs::path& path, const Walk& walk) {
 void check_description(const Walk& walk) {
   const std::uint64_t bits = walk.short_number(kBitsAllocated, 0), samples = walk.short_number(kSamples, 1);
   constexpr std::array<std::uint64_t, 7> kBits = {1, 8, 12, 16, 24, 32, 64};
-  const bool is_good = walk.short_number(kRows, 0) > 0 && walk.short_number(kColumns, 0) > 0 &&
-                       std::find(kBits.begin(), kBits.end(), bits) != kBits.end() &&
-                       (samples == 1 || samples == 3 || samples == 4) &&
-                       walk.short_number(kBitsStored, bits) <= bits &&
-                       walk.short_number(kHighBit, 0) < bits && walk.short_number(kSigned, 0) <= 1 &&
-                       walk.short_number(kPlanes, 0) <= 1;
+  const bool is_good =
+      walk.short_number(kRows, 0) > 0 && walk.short_number(kColumns, 0) > 0 &&
+      std::ranges::find(kBits, bits) != kBits.end() && (samples == 1 || samples == 3 || samples == 4) &&
+      walk.short_number(kBitsStored, bits) <= bits && walk.short_number(kHighBit, 0) < bits &&
+      walk.short_number(kSigned, 0) <= 1 && walk.short_number(kPlanes, 0) <= 1;
   if (!is_good) walk.damaged();
 }
 

@@ -20,7 +20,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
     if (entry.is_regular_file(ignored)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 
@@ -45,16 +45,16 @@ std::vector<DicomFile> images_of(std::vector<DicomFile> files) {
 }
 
 void sort_slices(std::vector<DicomFile>& files) {
-  const auto all = [&](const auto& holds) { return std::all_of(files.begin(), files.end(), holds); };
+  const auto all = [&](const auto& holds) { return std::ranges::all_of(files, holds); };
   if (all([](const DicomFile& file) { return file.slice.has_value(); })) {
     const DicomSlice& first = *files.front().slice;
     const Vec3 normal = first.along_row.cross(first.along_column);
-    std::stable_sort(files.begin(), files.end(), [&](const DicomFile& a, const DicomFile& b) {
+    std::ranges::stable_sort(files, [&](const DicomFile& a, const DicomFile& b) {
       return a.slice->position_mm.dot(normal) < b.slice->position_mm.dot(normal);
     });
   } else if (all([](const DicomFile& file) { return file.number.has_value(); })) {
-    std::stable_sort(files.begin(), files.end(),
-                     [](const DicomFile& a, const DicomFile& b) { return *a.number < *b.number; });
+    std::ranges::stable_sort(files,
+                             [](const DicomFile& a, const DicomFile& b) { return *a.number < *b.number; });
   }
 }
 

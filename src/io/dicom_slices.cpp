@@ -34,8 +34,8 @@ void check_slices(const std::filesystem::path& path, std::vector<DicomSlice> sli
   for (const DicomSlice& slice : slices) check_alike(path, slices.front(), slice);
   const Vec3 normal = slices.front().along_row.cross(slices.front().along_column).normalized();
   const auto height = [&](const DicomSlice& slice) { return slice.position_mm.dot(normal); };
-  std::stable_sort(slices.begin(), slices.end(),
-                   [&](const DicomSlice& a, const DicomSlice& b) { return height(a) < height(b); });
+  std::ranges::stable_sort(slices,
+                           [&](const DicomSlice& a, const DicomSlice& b) { return height(a) < height(b); });
   std::vector<double> gaps;
   for (std::size_t i = 1; i < slices.size(); ++i) gaps.push_back(height(slices[i]) - height(slices[i - 1]));
   std::vector<double> sorted = gaps;

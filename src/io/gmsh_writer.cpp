@@ -173,7 +173,7 @@ class GmshWriter {
 
   void write_part(const CellBlock& block, int dimension, std::int32_t tag, std::int32_t entity,
                   std::size_t& number) {
-    const auto count = std::count(block.tags.begin(), block.tags.end(), tag);
+    const auto count = std::ranges::count(block.tags, tag);
     if (count == 0) return;
     file_.print("{} {} {} {}\n", dimension, entity, names_of(block.shape).gmsh_type, count);
     for (std::size_t i = 0; i < block.size(); ++i) {

@@ -86,7 +86,7 @@ std::vector<Voxel> find_values(std::span<const Voxel> voxels, const fs::path& pa
       },
       [](ValueSet<Voxel> a, ValueSet<Voxel> b) { return merge(std::move(a), std::move(b)); });
   if (set.fractional) fail_as_values(voxels, path, "has voxels with fractions, so it is no label image");
-  const auto background = std::count(set.values.begin(), set.values.end(), Voxel{0});
+  const auto background = std::ranges::count(set.values, Voxel{0});
   if (set.values.size() - static_cast<std::size_t>(background) > kMaxLabels)
     fail_as_values(voxels, path, fmt::format("has more than {} different labels", kMaxLabels));
   return set.values;
@@ -127,7 +127,7 @@ std::vector<Label> keep_labels(const std::vector<Label>& present, std::vector<La
   sort_unique(wanted);
   for (const Label label : wanted) {
     if (label <= 0) fail(path, fmt::format("label {} cannot be meshed; labels are positive", label));
-    if (!std::binary_search(present.begin(), present.end(), label))
+    if (!std::ranges::binary_search(present, label))
       fail(path, fmt::format("no voxel has label {}; labels present: {}", label, list_labels(present)));
   }
   wanted.insert(wanted.begin(), kBackground);
@@ -142,7 +142,7 @@ void map_voxels(std::span<const Voxel> voxels, const std::vector<Label>& labels,
         LabelImage::Index* const out = image.voxels().data();
         for (std::size_t i = begin; i < end;) {
           const Voxel value = voxels[i];
-          const auto found = std::lower_bound(labels.begin(), labels.end(), static_cast<Label>(value));
+          const auto found = std::ranges::lower_bound(labels, static_cast<Label>(value));
           const bool kept = found != labels.end() && *found == static_cast<Label>(value);
           const auto index = static_cast<LabelImage::Index>(kept ? found - labels.begin() : 0);
           for (; i < end && voxels[i] == value; ++i) out[i] = index;

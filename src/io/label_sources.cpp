@@ -116,7 +116,7 @@ std::vector<float> likelihoods_of(const RawImage& raw, const fs::path& path) {
   std::vector<float> result(raw.frame.voxel_count());
   const bool is_soft = are_probabilities(raw);
   const bool is_mask = visit_voxels(raw, [&](auto voxels) {
-    return is_soft || std::all_of(voxels.begin(), voxels.end(), [](auto v) {
+    return is_soft || std::ranges::all_of(voxels, [](auto v) {
              return static_cast<double>(v) >= 0 &&
                     std::trunc(static_cast<double>(v)) == static_cast<double>(v);
            });
@@ -129,7 +129,7 @@ std::vector<float> likelihoods_of(const RawImage& raw, const fs::path& path) {
       result[v] = is_soft ? value : value != 0 ? kCertain : 0.0F;
     });
   });
-  if (std::none_of(result.begin(), result.end(), [](float p) { return p >= 0.5F; }))
+  if (std::ranges::none_of(result, [](float p) { return p >= 0.5F; }))
     fail(path, "no voxel of it is in the mask");
   return result;
 }
@@ -203,7 +203,7 @@ LabelImage label_classes(const RawImage& raw, const fs::path& path, const std::v
     }
   });
   LabelImage image = std::move(sum).finish();
-  if (std::all_of(image.voxels().begin(), image.voxels().end(), [](LabelImage::Index l) { return l == 0; }))
+  if (std::ranges::all_of(image.voxels(), [](LabelImage::Index l) { return l == 0; }))
     fail(path, "no voxel is more likely of a label than of the background");
   return image;
 }

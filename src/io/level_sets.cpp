@@ -140,8 +140,7 @@ bool is_level_set(const RawImage& raw) {
     if constexpr (!std::is_floating_point_v<typename decltype(voxels)::value_type>) {
       return false;
     } else {
-      if (std::none_of(voxels.begin(), voxels.end(),
-                       [](auto v) { return std::trunc(v) != v && !std::isnan(v); }))
+      if (std::ranges::none_of(voxels, [](auto v) { return std::trunc(v) != v && !std::isnan(v); }))
         return false;
       const SlopeCounts slopes = slopes_where_signs_change(voxels, raw.frame);
       if (slopes.count == 0 || slopes.quantile(1 - kTailShare) > kMaxSpread * slopes.quantile(kTailShare))

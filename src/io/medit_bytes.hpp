@@ -75,7 +75,7 @@ class MeditByteReader {
     if (position_ > end_ || end_ - position_ < sizeof(T)) fail("a section or the file is cut off");
     std::array<char, sizeof(T)> raw;
     std::memcpy(raw.data(), bytes_.data() + position_, sizeof(T));
-    if (swapped_) std::reverse(raw.begin(), raw.end());
+    if (swapped_) std::ranges::reverse(raw);
     position_ += sizeof(T);
     return std::bit_cast<T>(raw);
   }

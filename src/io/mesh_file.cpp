@@ -91,9 +91,8 @@ constexpr auto kFormats = std::to_array<MeshFormat>({
 /// @return nullptr if there is none that can be used so.
 const MeshFormat* format_of(const Path& path, MeshUse use) {
   const std::string extension = is_mesh_folder(path) ? kFolder : io::lower_extension(path);
-  const auto format = std::find_if(kFormats.begin(), kFormats.end(), [&](const MeshFormat& f) {
-    return f.extension == extension && (f.uses & bits(use)) != 0;
-  });
+  const auto format = std::ranges::find_if(
+      kFormats, [&](const MeshFormat& f) { return f.extension == extension && (f.uses & bits(use)) != 0; });
   return format == kFormats.end() ? nullptr : &*format;
 }
 

@@ -30,7 +30,7 @@ void extract_boundary(MixedMesh& mesh) {
   auto faces = sides.collect<LabelFace>([&](std::span<const CellSide> run, std::vector<LabelFace>& out) {
     std::vector<LabelFace> found;
     for (const CellSide& side : run) found.push_back({{sides.label(side), kBackground}, sides.outward(side)});
-    std::sort(found.begin(), found.end(), [](const LabelFace& a, const LabelFace& b) {
+    std::ranges::sort(found, [](const LabelFace& a, const LabelFace& b) {
       return std::tie(a.labels, a.outward) < std::tie(b.labels, b.outward);
     });
     for (std::size_t i = 0; i < found.size(); i += 2) {
@@ -39,8 +39,7 @@ void extract_boundary(MixedMesh& mesh) {
       if (!is_between || found[i].labels[0] != found[i].labels[1]) out.push_back(found[i]);
     }
   });
-  std::stable_sort(faces.begin(), faces.end(),
-                   [](const LabelFace& a, const LabelFace& b) { return a.labels < b.labels; });
+  std::ranges::stable_sort(faces, [](const LabelFace& a, const LabelFace& b) { return a.labels < b.labels; });
   const PatchNaming naming(mesh.info.label_names);
   const bool single_label = labels_of(mesh).size() <= 1;
   mesh.triangles.clear();

@@ -48,8 +48,7 @@ SymTensor from_full_matrix(std::span<const double> m) {
 
 std::string_view metric_fault(const SymTensor& tensor) {
   const TensorNumbers numbers = to_vtk_order(tensor);
-  if (!std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::isfinite(n); }))
-    return "is not finite";
+  if (!std::ranges::all_of(numbers, [](double n) { return std::isfinite(n); })) return "is not finite";
   return positive_definite(tensor) ? "" : "is not positive definite";
 }
 

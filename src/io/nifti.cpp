@@ -78,7 +78,7 @@ class NiftiHeader {
   [[nodiscard]] Value get(std::size_t at) const {
     std::array<std::byte, sizeof(Value)> raw;
     std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at), sizeof(Value), raw.begin());
-    if (swapped_) std::reverse(raw.begin(), raw.end());
+    if (swapped_) std::ranges::reverse(raw);
     return std::bit_cast<Value>(raw);
   }
   [[nodiscard]] double real(std::size_t at1, std::size_t at2) const {

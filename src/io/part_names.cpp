@@ -14,8 +14,7 @@ namespace {
 bool is_word_without_letters(const std::string& word, const std::string& name) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   const auto is_foreign = [](char c) { return static_cast<unsigned char>(c) >= 0x80; };
-  return std::none_of(word.begin(), word.end(), is_letter) &&
-         (word.empty() || std::any_of(name.begin(), name.end(), is_foreign));
+  return std::ranges::none_of(word, is_letter) && (word.empty() || std::ranges::any_of(name, is_foreign));
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ void keep_columns(const TextTable& table, const io::PlaceColumns& places, PointD
   for (const std::size_t c : places) used[c] = 1;
   for (const auto& [base, columns] : components) {
     const auto is_free = [&](std::size_t c) { return c != kNone && used[c] == 0; };
-    if (!std::all_of(columns.begin(), columns.end(), is_free)) continue;
+    if (!std::ranges::all_of(columns, is_free)) continue;
     std::vector<Vec3>& vectors = data.vectors[base];
     vectors.resize(data.points.size());
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -44,7 +44,7 @@ std::vector<Vec3> read_text(const std::filesystem::path& path) {
   io::for_each_line(content, [&](std::string_view line, std::size_t number) {
     const std::vector<std::string_view> fields = fields_of(line);
     if (fields.empty() || fields[0].starts_with('#')) return;
-    const bool names = is_first && std::none_of(fields.begin(), fields.end(), [](std::string_view f) {
+    const bool names = is_first && std::ranges::none_of(fields, [](std::string_view f) {
                          return io::real_from(f).has_value();
                        });
     is_first = false;
@@ -77,7 +77,7 @@ MixedMesh read_any(const std::filesystem::path& path) {
     return cloud;
   }
   constexpr std::array<std::string_view, 5> kText = {".csv", ".txt", ".xyz", ".pts", ".dat"};
-  if (std::find(kText.begin(), kText.end(), extension) == kText.end())
+  if (std::ranges::find(kText, extension) == kText.end())
     io::fail(path, "unknown format of points; use .vtp, .vtu, .vtk, .csv, .txt or .xyz");
   cloud.points = read_text(path);
   return cloud;

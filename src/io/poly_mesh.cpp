@@ -128,7 +128,7 @@ SideLinks link_sides(const std::filesystem::path& path, const SideNumbers& sides
 /// Whether two cycles of the same corners go the same way round.
 bool is_same_sense(const Cell<4>& a, const Cell<4>& b) {
   const std::size_t corners = a[2] == a[3] ? 3 : 4;
-  const auto at = static_cast<std::size_t>(std::find(b.begin(), b.end(), a[0]) - b.begin());
+  const auto at = static_cast<std::size_t>(std::ranges::find(b, a[0]) - b.begin());
   return b[(at + 1) % corners] == a[1];
 }
 
@@ -179,7 +179,7 @@ class PolyMeshBuilder {
     for (std::size_t s = poly_.sides.first_of(cell); s < poly_.sides.first_of(cell + 1); ++s)
       if (const std::uint32_t other = links_.partners[s]; other != kNone && other > s)
         owned.others[owned.count++] = other;
-    std::sort(owned.others.begin(), owned.others.end());
+    std::ranges::sort(owned.others);
     return owned;
   }
 

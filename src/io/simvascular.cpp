@@ -90,8 +90,7 @@ FaceFile gather_faces(const MeshView& mesh, const std::vector<FaceOwner>& owners
   }
   for (const std::uint32_t t : triangles) {
     for (const std::uint32_t v : owners[t].outward)
-      file.corners.push_back(
-          static_cast<std::int32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin()));
+      file.corners.push_back(static_cast<std::int32_t>(std::ranges::lower_bound(used, v) - used.begin()));
     file.element_ids.push_back(static_cast<std::int32_t>(owners[t].cell) + 1);
     file.region_ids.push_back(mesh.tetrahedron_labels[owners[t].cell]);
     file.face_ids.push_back(id_of.at(static_cast<std::size_t>(mesh.triangle_patches[t])));
@@ -197,7 +196,7 @@ void check_simvascular_folder(const fs::path& named) {
     const std::string name = entry.path().filename().string();
     const bool ours = entry.is_directory()
                           ? (name == kSurfaces || name == kInterfaces) && holds_only_vtp(entry.path())
-                          : std::find(kFiles.begin(), kFiles.end(), name) != kFiles.end();
+                          : std::ranges::find(kFiles, name) != kFiles.end();
     if (!ours)
       fail(path,
            fmt::format("would be replaced, and {} in it is no part of a mesh; choose another name", name));

@@ -20,7 +20,7 @@ PlaceColumns place_columns(const std::vector<std::string_view>& header) {
     PlaceColumns found = {};
     bool all = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto at = std::find_if(header.begin(), header.end(), [&](std::string_view word) {
+      const auto at = std::ranges::find_if(header, [&](std::string_view word) {
         return std::equal(word.begin(), word.end(), names[axis].begin(), names[axis].end(),
                           [](unsigned char a, char b) { return std::tolower(a) == b; });
       });

@@ -197,7 +197,7 @@ std::vector<Value> VtkXmlReader::values(const pugi::xml_node& array, const char*
   const std::string fractions = fmt::format("{} holds fractions where whole numbers are needed", what);
   if (format == "ascii" && std::is_integral_v<Value> && type.starts_with("Float")) {
     const std::vector<double> given = doubles(array, what);
-    if (!std::all_of(given.begin(), given.end(), is_whole<double>)) fail(fractions);
+    if (!std::ranges::all_of(given, is_whole<double>)) fail(fractions);
     return std::vector<Value>(given.begin(), given.end());
   }
   if (format == "ascii") {

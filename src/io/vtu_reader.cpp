@@ -35,7 +35,7 @@ std::vector<std::int64_t> read_labels(const VtkXmlReader& file, std::size_t cell
     std::vector<std::int64_t> labels = file.integers(array, name);
     if (labels.size() != cells) file.fail("does not hold as many labels as cells");
     const auto fits = [](std::int64_t label) { return label >= INT32_MIN && label <= INT32_MAX; };
-    if (!std::all_of(labels.begin(), labels.end(), fits)) file.fail("a label is too large");
+    if (!std::ranges::all_of(labels, fits)) file.fail("a label is too large");
     return labels;
   }
   return std::vector<std::int64_t>(cells, 1);
@@ -167,13 +167,12 @@ constexpr const char* kNoPatchNumbers =
 
 bool are_numbers_of_patches(const std::vector<std::int64_t>& numbers) {
   constexpr std::int64_t kLargest = 65'000;
-  return std::all_of(numbers.begin(), numbers.end(),
-                     [](std::int64_t id) { return id >= 0 && id <= kLargest; });
+  return std::ranges::all_of(numbers, [](std::int64_t id) { return id >= 0 && id <= kLargest; });
 }
 
 /// One number for all tells no patches apart.
 bool is_one_number(const std::vector<std::int64_t>& numbers) {
-  return std::all_of(numbers.begin(), numbers.end(), [&](std::int64_t id) { return id == numbers.front(); });
+  return std::ranges::all_of(numbers, [&](std::int64_t id) { return id == numbers.front(); });
 }
 
 /// Ours, SimVascular's, or VMTK's, the first that tells patches apart; warns of those of the others that do
@@ -210,7 +209,7 @@ PatchNumbers patches_by(const VtkXmlReader& file, const std::string& name) {
   }
   PatchNumbers numbers{file.integers(found, name.c_str()), name == "patch" ? "patch_" : "face_"};
   if (!are_numbers_of_patches(numbers.of_polygon)) file.fail("array \"" + name + "\" " + kNoPatchNumbers);
-  if (is_one_number(numbers.of_polygon)) std::fill(numbers.of_polygon.begin(), numbers.of_polygon.end(), 0);
+  if (is_one_number(numbers.of_polygon)) std::ranges::fill(numbers.of_polygon, 0);
   return numbers;
 }
 

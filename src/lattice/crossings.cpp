@@ -44,10 +44,9 @@ bool crosses_at(const WorkMesh& mesh, const BoundaryModel& boundary, const Image
   const auto mine = outer.size();
   const Vec3 margin = Vec3::Constant(moved_mm);
   for (const std::uint32_t t : tree.overlapping(reach.min() - margin, reach.max() + margin))
-    if (std::find(triangles.begin(), triangles.end(), t) == triangles.end()) add(t);
+    if (std::ranges::find(triangles, t) == triangles.end()) add(t);
   const std::vector<SelfCrossing> crossings = find_self_crossings(mesh.positions, outer);
-  return std::any_of(crossings.begin(), crossings.end(),
-                     [&](const SelfCrossing& crossing) { return crossing.first < mine; });
+  return std::ranges::any_of(crossings, [&](const SelfCrossing& crossing) { return crossing.first < mine; });
 }
 
 OuterSurroundings::OuterSurroundings(const WholeMesh& whole, const SurfaceTree& tree, const MeshPart& part,
@@ -61,12 +60,12 @@ OuterSurroundings::OuterSurroundings(const WholeMesh& whole, const SurfaceTree& 
   }
   const std::vector<std::uint32_t> mine = [&] {
     std::vector<std::uint32_t> sorted = part.triangles;
-    std::sort(sorted.begin(), sorted.end());
+    std::ranges::sort(sorted);
     return sorted;
   }();
   std::unordered_map<std::uint32_t, std::uint32_t> others;
   const auto number = [&](std::uint32_t v) {
-    const auto at = std::lower_bound(part.vertices.begin(), part.vertices.end(), v);
+    const auto at = std::ranges::lower_bound(part.vertices, v);
     if (at != part.vertices.end() && *at == v) return static_cast<std::uint32_t>(at - part.vertices.begin());
     const auto [found, is_new] = others.try_emplace(v, static_cast<std::uint32_t>(others_mm_.size()));
     if (is_new) others_mm_.push_back(whole.mesh.positions[v]);
@@ -74,7 +73,7 @@ OuterSurroundings::OuterSurroundings(const WholeMesh& whole, const SurfaceTree& 
   };
   for (const std::uint32_t t : tree.overlapping(low, high)) {
     const BoundaryTriangle& triangle = whole.boundary.triangles[t];
-    if (!is_outer(triangle, domain) || std::binary_search(mine.begin(), mine.end(), t)) continue;
+    if (!is_outer(triangle, domain) || std::ranges::binary_search(mine, t)) continue;
     const auto& [a, b, c] = triangle.vertices;
     around_.push_back({number(a), number(b), number(c)});
   }

@@ -166,8 +166,8 @@ class Defect {
   }
 
   [[nodiscard]] bool is_at_opening() const {
-    return std::any_of(part_.boundary.triangles.begin(), part_.boundary.triangles.end(),
-                       [&](const BoundaryTriangle& t) { return setting_.domain.is_cut(t.outside); });
+    return std::ranges::any_of(part_.boundary.triangles,
+                               [&](const BoundaryTriangle& t) { return setting_.domain.is_cut(t.outside); });
   }
 
   /// No more triangles of the wall than in the best state are folded, or beside an opening stand at more than
@@ -181,8 +181,8 @@ class Defect {
   }
 
   [[nodiscard]] std::size_t count_steep() const {
-    return static_cast<std::size_t>(std::count_if(
-        part_.boundary.triangles.begin(), part_.boundary.triangles.end(), [&](const BoundaryTriangle& t) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(part_.boundary.triangles, [&](const BoundaryTriangle& t) {
           return stands_steeper(part_.mesh, t, setting_.domain, min_cosine_);
         }));
   }
@@ -289,8 +289,8 @@ std::vector<Vec3> choose_centres(const std::vector<Deviation>& deviations, const
   for (const Deviation& deviation : deviations) {
     const Vec3& place = deviation.place_mm;
     if (tried.tries_at(place) >= TriedPlaces::kMaxTries) continue;
-    const bool free = std::none_of(centres.begin(), centres.end(),
-                                   [&](const Vec3& c) { return (c - place).norm() < apart_mm; });
+    const bool free =
+        std::ranges::none_of(centres, [&](const Vec3& c) { return (c - place).norm() < apart_mm; });
     if (free) centres.push_back(place);
     if (centres.size() == kMaxCentres) break;
   }
@@ -299,7 +299,7 @@ std::vector<Vec3> choose_centres(const std::vector<Deviation>& deviations, const
 
 std::size_t count_probes(const std::vector<Deviation>& deviations) {
   return static_cast<std::size_t>(
-      std::count_if(deviations.begin(), deviations.end(), [](const Deviation& m) { return !m.is_outlier; }));
+      std::ranges::count_if(deviations, [](const Deviation& m) { return !m.is_outlier; }));
 }
 
 /// Repairs defects in rounds.
@@ -328,7 +328,7 @@ class DefectRepair {
     ++round_;
     put_back_all(repaired);
     const bool promising =
-        std::any_of(repaired.begin(), repaired.end(), [](const Repaired& m) { return m.result.promising; });
+        std::ranges::any_of(repaired, [](const Repaired& m) { return m.result.promising; });
     dull_rounds_ = promising ? 0 : dull_rounds_ + 1;
     return true;
   }
@@ -375,7 +375,7 @@ class DefectRepair {
     for (const Repaired& m : repaired) {
       if (!m.part) continue;
       const std::vector<std::uint32_t>& tets = m.part->tets;
-      if (std::any_of(tets.begin(), tets.end(), [&](std::uint32_t t) { return taken[t] != 0; }))
+      if (std::ranges::any_of(tets, [&](std::uint32_t t) { return taken[t] != 0; }))
         continue;  // its deviations are found again
       for (const std::uint32_t t : tets) taken[t] = 1;
       put_back(whole_, *m.part);

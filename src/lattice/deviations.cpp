@@ -150,9 +150,9 @@ void DeviationFinder::note_moved_triangles(const WorkMesh& mesh, const BoundaryM
   moved_.assign(boundary.triangles.size(), 1);
   parallel::for_each_index(known, [&](std::size_t i) {
     const BoundaryTriangle& now = boundary.triangles[i];
-    const bool same = triangles_[i] == now &&
-                      std::all_of(now.vertices.begin(), now.vertices.end(),
-                                  [&](std::uint32_t v) { return positions_[v] == mesh.positions[v]; });
+    const bool same = triangles_[i] == now && std::ranges::all_of(now.vertices, [&](std::uint32_t v) {
+                        return positions_[v] == mesh.positions[v];
+                      });
     moved_[i] = same ? 0 : 1;
   });
   triangles_ = boundary.triangles;
@@ -288,8 +288,8 @@ void DeviationFinder::append_outliers(const WorkMesh& mesh, const BoundaryModel&
 namespace {
 
 void sort_by_distance(std::vector<Deviation>& deviations) {
-  std::stable_sort(deviations.begin(), deviations.end(),
-                   [](const Deviation& a, const Deviation& b) { return a.off_mm > b.off_mm; });
+  std::ranges::stable_sort(deviations,
+                           [](const Deviation& a, const Deviation& b) { return a.off_mm > b.off_mm; });
 }
 
 }  // namespace

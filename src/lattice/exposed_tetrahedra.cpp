@@ -20,7 +20,7 @@ struct TriangleHash {
 };
 
 Triangle sorted(Triangle t) {
-  std::sort(t.begin(), t.end());
+  std::ranges::sort(t);
   return t;
 }
 
@@ -77,7 +77,7 @@ class ExposedRemoval {
     for (const std::uint32_t v : touched_) boundary_.sets[v] = {};
     for (const BoundaryTriangle& t : boundary_.triangles)
       for (const std::uint32_t v : t.vertices)
-        if (std::binary_search(touched_.begin(), touched_.end(), v)) bind(boundary_.sets[v], t);
+        if (std::ranges::binary_search(touched_, v)) bind(boundary_.sets[v], t);
     return drop_tetrahedra(mesh_, boundary_, keep_);
   }
 
@@ -96,7 +96,7 @@ class ExposedRemoval {
   }
 
   [[nodiscard]] int open_faces(std::uint32_t t) const {
-    return static_cast<int>(std::count(mesh_.neighbours[t].begin(), mesh_.neighbours[t].end(), kNoTet));
+    return static_cast<int>(std::ranges::count(mesh_.neighbours[t], kNoTet));
   }
 
   [[nodiscard]] std::vector<std::uint32_t> find_exposed() const {
@@ -113,8 +113,8 @@ class ExposedRemoval {
   [[nodiscard]] Material common_cut(std::uint32_t t) const {
     const Corner4& corners = mesh_.tets[t];
     for (const Material m : boundary_.sets[corners[0]])
-      if (domain_.is_cut(m) && std::all_of(corners.begin(), corners.end(),
-                                           [&](std::uint32_t v) { return boundary_.sets[v].contains(m); }))
+      if (domain_.is_cut(m) &&
+          std::ranges::all_of(corners, [&](std::uint32_t v) { return boundary_.sets[v].contains(m); }))
         return m;
     return 0;
   }
@@ -128,8 +128,8 @@ class ExposedRemoval {
   /// Whether the face that it stands on is near the boundary: on one that is not, it may be a bump.
   [[nodiscard]] bool stands_near(std::uint32_t t) const {
     constexpr double kNear = 0.5;  // Voxels: more is a deviation.
-    const auto inner = std::find_if(mesh_.neighbours[t].begin(), mesh_.neighbours[t].end(),
-                                    [](std::uint32_t other) { return other != kNoTet; });
+    const auto inner =
+        std::ranges::find_if(mesh_.neighbours[t], [](std::uint32_t other) { return other != kNoTet; });
     const auto [a, b, c] =
         face_of(mesh_.tets[t], static_cast<std::size_t>(inner - mesh_.neighbours[t].begin()));
     const Vec3 middle = (mesh_.positions[a] + mesh_.positions[b] + mesh_.positions[c]) / 3;

@@ -79,7 +79,7 @@ void Fitter::refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& 
       if (v < places_mm.size()) carry_vertex(v, within_cuts(domain_, boundary_.sets[v], places_mm[v]));
     });
   }
-  std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+  std::ranges::fill(waiting_, std::uint8_t{0});
   for (const std::vector<VertexBlocks::Block>& of_class : vertices.classes) {
     for (const VertexBlocks::Block& block : of_class) {
       for (const std::uint32_t v : block) wake_star(v);
@@ -90,7 +90,7 @@ void Fitter::refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& 
 
 void Fitter::bring_within_cuts(int rounds, int sweeps, double good_enough) {
   for (int round = 0; round < rounds; ++round) {
-    std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+    std::ranges::fill(waiting_, std::uint8_t{0});
     bool any = false;
     for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
       const Vec3 within = within_cuts(domain_, boundary_.sets[v], mesh_.positions[v]);
@@ -110,7 +110,7 @@ bool Fitter::put_if_valid(std::uint32_t v, const Vec3& place) {
   const std::vector<Vec3>& at = mesh_.positions;
   const Vec3 before = std::exchange(mesh_.positions[v], place);
   const auto star = mesh_.star(v);
-  const bool is_valid = std::all_of(star.begin(), star.end(), [&](std::uint32_t t) {
+  const bool is_valid = std::ranges::all_of(star, [&](std::uint32_t t) {
     const auto& [a, b, c, d] = mesh_.tets[t];
     if (orient3d(at[a], at[b], at[c], at[d]) <= 0) return false;
     const DihedralCosines angles = min_max_dihedral(at[a], at[b], at[c], at[d]);
@@ -243,8 +243,7 @@ std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v, double floor) const {
       const double angle = 2 * std::numbers::pi * n / kDirections;
       consider(middle + reach * edge * (std::cos(angle) * first + std::sin(angle) * second));
     }
-  std::stable_sort(places.begin(), places.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(places, [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Vec3> result;
   for (const auto& place : places) result.push_back(place.second);
   if (result.empty()) result = {middle, best.second};
@@ -283,7 +282,7 @@ void Fitter::attract_to(const std::vector<Deviation>& deviations, int sweeps, do
 }
 
 void Fitter::improve_at(std::span<const std::uint32_t> triangles, int sweeps, double good_enough) {
-  std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+  std::ranges::fill(waiting_, std::uint8_t{0});
   for (const std::uint32_t i : triangles)
     for (const std::uint32_t v : boundary_.triangles[i].vertices) wake_star(v);
   improve(two_rings_awake(), sweeps, good_enough);
@@ -321,7 +320,7 @@ void Fitter::move_waiting(const VertexBlocks::Block& block, const Move& move) {
 
 /// Another kind of move follows.
 void Fitter::try_all_again() {
-  std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{1});
+  std::ranges::fill(waiting_, std::uint8_t{1});
 }
 
 void Fitter::wake_star(std::uint32_t v) {
@@ -332,7 +331,7 @@ void Fitter::wake_star(std::uint32_t v) {
 
 /// Sends vertices to deviating probes; only the stars around these vertices wait then.
 void Fitter::wake_anchored(const std::vector<Deviation>& deviations) {
-  std::fill(waiting_.begin(), waiting_.end(), std::uint8_t{0});
+  std::ranges::fill(waiting_, std::uint8_t{0});
   for (const std::uint32_t v : set_anchors(mesh_, boundary_, domain_, deviations, targets_.anchors_mm))
     wake_star(v);
 }

@@ -76,8 +76,8 @@ class CubeChooser {
       if (!enter(mesh_.tetrahedra[t], spacing, cube)) return std::nullopt;
     }
     const auto found = [](std::uint32_t v) { return v != kNone; };
-    if (!std::all_of(cube.across.begin(), cube.across.end(), found)) return std::nullopt;
-    if (!std::all_of(cube.corners.begin(), cube.corners.end(), found)) return std::nullopt;
+    if (!std::ranges::all_of(cube.across, found)) return std::nullopt;
+    if (!std::ranges::all_of(cube.corners, found)) return std::nullopt;
     return cube;
   }
 
@@ -193,7 +193,7 @@ void replace_cells(MixedMesh& mesh, const std::vector<Cube>& cubes, const std::v
   std::size_t kept = 0;
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const Cell<4>& tet = mesh.tetrahedra[t];
-    if (std::any_of(tet.begin(), tet.end(), [&](std::uint32_t v) { return removed[v] != 0; })) continue;
+    if (std::ranges::any_of(tet, [&](std::uint32_t v) { return removed[v] != 0; })) continue;
     mesh.tetrahedra[kept] = tet;
     mesh.tetrahedron_labels[kept++] = mesh.tetrahedron_labels[t];
   }

@@ -42,7 +42,7 @@ constexpr int kMaxRescues = 2;  ///< Finer lattices around lost labels.
 /// Numbers of voxels of each material on the kept side of the cut planes.
 std::vector<double> object_voxels(const LabelImage& image, const ImageDomain& domain) {
   std::vector<double> voxels = count_kept_voxels(image, domain.cut_planes());
-  if (std::all_of(voxels.begin(), voxels.end(), [](double count) { return count <= 0; }))
+  if (std::ranges::all_of(voxels, [](double count) { return count <= 0; }))
     throw Error(ErrorKind::kBadInput,
                 "nothing is left of the object: no voxel has a label on the kept side of the cut planes");
   return voxels;

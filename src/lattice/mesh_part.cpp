@@ -28,7 +28,7 @@ std::vector<std::uint32_t> core_of(const WholeMesh& whole, const std::vector<std
       for (const std::uint32_t v : mesh.tets[t]) visit(v);
     }
   }
-  std::sort(core.begin(), core.end());
+  std::ranges::sort(core);
   return core;
 }
 
@@ -57,9 +57,8 @@ MeshPart cut_out(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& ce
   sort_unique(part.tets);
   for (const std::uint32_t t : near) {
     const Triangle& corners = whole.boundary.triangles[t].vertices;
-    const bool in_core = std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
-      return std::binary_search(core.begin(), core.end(), v);
-    });
+    const bool in_core =
+        std::ranges::any_of(corners, [&](std::uint32_t v) { return std::ranges::binary_search(core, v); });
     if (in_core) part.triangles.push_back(t);
   }
   for (const std::uint32_t t : part.tets) {
@@ -68,8 +67,7 @@ MeshPart cut_out(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& ce
   }
   sort_unique(part.vertices);
   const auto number = [&](std::uint32_t v) {
-    return static_cast<std::uint32_t>(std::lower_bound(part.vertices.begin(), part.vertices.end(), v) -
-                                      part.vertices.begin());
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(part.vertices, v) - part.vertices.begin());
   };
   part.fixed.assign(part.vertices.size(), 1);
   for (const std::uint32_t v : core) part.fixed[number(v)] = 0;
@@ -122,7 +120,7 @@ void put_back_stars(WholeMesh& whole, const MeshPart& part, const std::vector<st
     star.clear();
     if (v < part.vertices.size()) {
       for (const std::uint32_t t : whole.mesh.star(vertices[v])) {
-        if (!std::binary_search(part.tets.begin(), part.tets.end(), t)) star.push_back(t);
+        if (!std::ranges::binary_search(part.tets, t)) star.push_back(t);
       }
     }
     for (const std::uint32_t t : part.mesh.star(v)) star.push_back(tets[t]);
@@ -183,10 +181,10 @@ void drop_gone(WholeMesh& whole) {
   for (BoundaryTriangle& t : whole.boundary.triangles) {
     for (std::uint32_t& v : t.vertices) v = number[v];
   }
-  std::sort(whole.gone.begin(), whole.gone.end());
+  std::ranges::sort(whole.gone);
   kept = 0;
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t) {
-    if (std::binary_search(whole.gone.begin(), whole.gone.end(), t)) continue;
+    if (std::ranges::binary_search(whole.gone, t)) continue;
     for (std::size_t c = 0; c < 4; ++c) mesh.tets[kept][c] = number[mesh.tets[t][c]];
     mesh.materials[kept++] = mesh.materials[t];
   }

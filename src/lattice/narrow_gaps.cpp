@@ -131,7 +131,7 @@ class NarrowGaps {
       }
       if (here > 2) return false;
     }
-    return std::all_of(used.begin(), used.end(), [](std::uint8_t u) { return u != 0; });
+    return std::ranges::all_of(used, [](std::uint8_t u) { return u != 0; });
   }
 
   /// Whether two vertices have no edge in common, no neighbours but those of the seam, and no faces over the
@@ -140,16 +140,15 @@ class NarrowGaps {
     std::vector<std::uint32_t> on_seam;
     for (const Edge& e : seam) on_seam.insert(on_seam.end(), e.begin(), e.end());
     const std::vector<std::uint32_t> near_c = neighbours(c), near_d = neighbours(d);
-    if (std::binary_search(near_c.begin(), near_c.end(), d)) return false;
+    if (std::ranges::binary_search(near_c, d)) return false;
     const std::vector<Edge> faces_c = faces_over(c), faces_d = faces_over(d);
-    return std::all_of(near_c.begin(), near_c.end(),
-                       [&](std::uint32_t v) {
-                         return !std::binary_search(near_d.begin(), near_d.end(), v) ||
-                                std::find(on_seam.begin(), on_seam.end(), v) != on_seam.end();
-                       }) &&
-           std::all_of(faces_c.begin(), faces_c.end(), [&](const Edge& e) {
-             return !std::binary_search(faces_d.begin(), faces_d.end(), e) ||
-                    std::find(seam.begin(), seam.end(), e) != seam.end();
+    return std::ranges::all_of(near_c,
+                               [&](std::uint32_t v) {
+                                 return !std::ranges::binary_search(near_d, v) ||
+                                        std::ranges::find(on_seam, v) != on_seam.end();
+                               }) &&
+           std::ranges::all_of(faces_c, [&](const Edge& e) {
+             return !std::ranges::binary_search(faces_d, e) || std::ranges::find(seam, e) != seam.end();
            });
   }
 
@@ -222,7 +221,7 @@ bool close_gap(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domai
                const std::vector<Deviation>& deviations, const std::vector<std::uint8_t>& fixed,
                const AngleLimits& limits) {
   NarrowGaps gaps(mesh, boundary, domain, fixed, limits);
-  return std::any_of(deviations.begin(), deviations.end(), [&](const Deviation& deviation) {
+  return std::ranges::any_of(deviations, [&](const Deviation& deviation) {
     return deviation.is_outlier && gaps.close_one(deviation);
   });
 }

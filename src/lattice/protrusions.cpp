@@ -35,8 +35,7 @@ class ProtrusionGrower {
                              [&](std::size_t i) { options[i] = options_for(deviations[i]); });
     std::size_t reached = 0;
     for (const std::vector<Option>& choice : options) {
-      const auto best =
-          std::find_if(choice.begin(), choice.end(), [&](const Option& o) { return is_free(o); });
+      const auto best = std::ranges::find_if(choice, [&](const Option& o) { return is_free(o); });
       if (best == choice.end()) continue;
       carry_out(*best);
       ++reached;
@@ -81,8 +80,8 @@ class ProtrusionGrower {
         if (const std::optional<Option> filled = fill_at(i, e, attempt)) options.push_back(*filled);
       }
     }
-    std::stable_sort(options.begin(), options.end(),
-                     [](const Option& a, const Option& b) { return a.distance_mm < b.distance_mm; });
+    std::ranges::stable_sort(options,
+                             [](const Option& a, const Option& b) { return a.distance_mm < b.distance_mm; });
     return options;
   }
 
@@ -154,7 +153,7 @@ class ProtrusionGrower {
   /// corner.
   [[nodiscard]] Option from_other_side(const Option& o, std::uint32_t a, std::uint32_t c) const {
     const Triangle& t = boundary_.triangles[o.neighbour].vertices;
-    const auto end_of_edge = static_cast<std::size_t>(std::find(t.begin(), t.end(), a) - t.begin());
+    const auto end_of_edge = static_cast<std::size_t>(std::ranges::find(t, a) - t.begin());
     Option other = o;
     std::swap(other.triangle, other.neighbour);
     other.shared = (end_of_edge + 2) % 3;
@@ -171,14 +170,13 @@ class ProtrusionGrower {
     return v < options_.fixed.size() && options_.fixed[v] != 0;
   }
   [[nodiscard]] bool touches_fixed(const Triangle& t) const {
-    return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return is_fixed(v); });
+    return std::ranges::any_of(t, [&](std::uint32_t v) { return is_fixed(v); });
   }
 
   /// Whether an edge of the mesh joins two vertices.
   [[nodiscard]] bool are_neighbours(std::uint32_t a, std::uint32_t b) const {
     const auto star = mesh_.star(a);
-    return std::any_of(star.begin(), star.end(),
-                       [&](std::uint32_t t) { return has_corner(mesh_.tets[t], b); });
+    return std::ranges::any_of(star, [&](std::uint32_t t) { return has_corner(mesh_.tets[t], b); });
   }
 
   [[nodiscard]] bool angles_good(const Option& o) const {
@@ -200,7 +198,7 @@ class ProtrusionGrower {
   /// Whether nothing near has changed since the options were found.
   [[nodiscard]] bool is_free(const Option& o) const {
     const Triangle& t = boundary_.triangles[o.triangle].vertices;
-    if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return used_[v] != 0; })) return false;
+    if (std::ranges::any_of(t, [&](std::uint32_t v) { return used_[v] != 0; })) return false;
     if (o.tet != kNoTet) return used_[far_corner(o.tet, t)] == 0;
     if (o.top != kNoTet && used_[o.top] != 0) return false;
     return !fresh_.any(box_of(t, o.apex), [&](const Triangle& f) { return hits(f, o); });
@@ -279,7 +277,7 @@ class ProtrusionGrower {
   [[nodiscard]] bool angles_good(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
     if (!(tetrahedron_volume(a, b, c, d) > 0)) return false;
     const auto angles = dihedral_angles_deg(a, b, c, d);
-    const auto [smallest, largest] = std::minmax_element(angles.begin(), angles.end());
+    const auto [smallest, largest] = std::ranges::minmax_element(angles);
     return *smallest >= options_.limits.min_deg && *largest <= options_.limits.max_deg;
   }
 
@@ -358,7 +356,7 @@ class ProtrusionGrower {
   [[nodiscard]] bool hits_surface(const Option& o) const {
     const Box3 box = box_of(boundary_.triangles[o.triangle].vertices, o.apex);
     const std::vector<std::uint32_t> near = tree_.overlapping(box.min(), box.max());
-    return std::any_of(near.begin(), near.end(), [&](std::uint32_t i) {
+    return std::ranges::any_of(near, [&](std::uint32_t i) {
       return i != o.triangle && i != o.neighbour && hits(boundary_.triangles[i].vertices, o);
     });
   }
@@ -413,7 +411,7 @@ class ProtrusionGrower {
 
   [[nodiscard]] bool star_good(std::uint32_t v, const Vec3& x, std::uint32_t without) const {
     const auto star = mesh_.star(v);
-    return std::all_of(star.begin(), star.end(), [&](std::uint32_t t) {
+    return std::ranges::all_of(star, [&](std::uint32_t t) {
       if (t == without) return true;
       const auto at = [&](std::size_t c) {
         return mesh_.tets[t][c] == v ? x : mesh_.positions[mesh_.tets[t][c]];

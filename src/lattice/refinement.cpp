@@ -194,7 +194,7 @@ class Refiner {
     const auto near = [&](Key corner) {
       return memo.get(corner, [&](Key key) { return near_inside(key, level); });
     };
-    return std::none_of(t.begin(), t.end(), near);
+    return std::ranges::none_of(t, near);
   }
 
   /// Whether a corner may belong to a tetrahedron of the object: the nearest of the places that decide on its

@@ -52,8 +52,8 @@ class RimChoice {
       if (!is_on_cut(domain_, boundary_.sets[v])) continue;
       around.clear();
       append_around(v, around);
-      const bool is_rim = std::any_of(around.begin(), around.end(),
-                                      [&](std::uint32_t t) { return outside(t) != outside(around[0]); });
+      const bool is_rim =
+          std::ranges::any_of(around, [&](std::uint32_t t) { return outside(t) != outside(around[0]); });
       if (is_rim) near.insert(near.end(), around.begin(), around.end());
     }
     sort_unique(near);
@@ -87,7 +87,7 @@ class RimChoice {
     std::optional<std::uint32_t> found;
     for (const std::uint32_t other : surface_.triangles(a)) {
       const Triangle& v = boundary_.triangles[other].vertices;
-      if (other == t || !is_outer(other) || std::find(v.begin(), v.end(), b) == v.end()) continue;
+      if (other == t || !is_outer(other) || std::ranges::find(v, b) == v.end()) continue;
       if (found) return std::nullopt;
       found = other;
     }
@@ -105,9 +105,8 @@ class RimChoice {
           other && boundary_.triangles[*other].inside == triangle.inside ? outside(*other) : kOfAnotherLabel;
     }
     // No two others may be chosen: with one edge each, the vertices opposite have triangles of both.
-    const auto other = std::find_if(beside.begin(), beside.end(), [&](Material m) {
-      return m != own && m != kOfAnotherLabel && may_become(t, m, beside);
-    });
+    const auto other = std::ranges::find_if(
+        beside, [&](Material m) { return m != own && m != kOfAnotherLabel && may_become(t, m, beside); });
     if (other == beside.end() || distance_mm(t, *other) >= distance_mm(t, own)) return false;
     triangle.outside = *other;
     touched_.insert(touched_.end(), triangle.vertices.begin(), triangle.vertices.end());
@@ -119,13 +118,12 @@ class RimChoice {
   [[nodiscard]] bool may_become(std::uint32_t t, Material other,
                                 const std::array<Material, 3>& beside) const {
     const BoundaryTriangle& triangle = boundary_.triangles[t];
-    const auto shared = std::count(beside.begin(), beside.end(), other);
+    const auto shared = std::ranges::count(beside, other);
     if (shared == 3) return false;  // It would be gone.
-    if (shared == 2) return std::count(beside.begin(), beside.end(), triangle.outside) == 1;
-    const auto edge =
-        static_cast<std::size_t>(std::find(beside.begin(), beside.end(), other) - beside.begin());
+    if (shared == 2) return std::ranges::count(beside, triangle.outside) == 1;
+    const auto edge = static_cast<std::size_t>(std::ranges::find(beside, other) - beside.begin());
     const auto around = surface_.triangles(triangle.vertices[(edge + 2) % 3]);
-    return std::all_of(around.begin(), around.end(), [&](std::uint32_t i) {
+    return std::ranges::all_of(around, [&](std::uint32_t i) {
       return !is_outer(i) ||
              (outside(i) == triangle.outside && boundary_.triangles[i].inside == triangle.inside);
     });

@@ -39,7 +39,7 @@ class TriangleGrid {
     bool found = false;
     for_each_cell(box, [&](std::uint64_t cell) {
       const auto at = cells_.find(cell);
-      if (!found && at != cells_.end()) found = std::any_of(at->second.begin(), at->second.end(), condition);
+      if (!found && at != cells_.end()) found = std::ranges::any_of(at->second, condition);
     });
     return found;
   }

@@ -66,7 +66,7 @@ void keep_vertices(VertexBlocks& blocks, const std::vector<std::uint32_t>& kept)
     parallel::for_each_index(of_class.size(), 16, [&](std::size_t b) {
       VertexBlocks::Block left;
       for (const std::uint32_t v : of_class[b]) {
-        const auto at = std::lower_bound(kept.begin(), kept.end(), v);
+        const auto at = std::ranges::lower_bound(kept, v);
         if (at != kept.end() && *at == v) left.push_back(static_cast<std::uint32_t>(at - kept.begin()));
       }
       of_class[b] = std::move(left);

@@ -69,9 +69,8 @@ void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomai
   // In thin parts many stay short of their places: the others make up for the volume.
   constexpr double kLittle = 1e-3;  // Voxels.
   shifts = mean_sags_mm(mesh, boundary, domain);
-  const bool is_much = std::any_of(shifts.begin(), shifts.end(), [&](const auto& one) {
-    return std::abs(one.second) > kLittle * domain.voxel_size_mm();
-  });
+  const bool is_much = std::ranges::any_of(
+      shifts, [&](const auto& one) { return std::abs(one.second) > kLittle * domain.voxel_size_mm(); });
   if (!is_much) return;
   mesh.positions = fitted;
   settle();

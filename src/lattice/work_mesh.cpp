@@ -26,9 +26,9 @@ Material material_of(const Corners& t, const LatticeFrame& frame, const ImageDom
   std::array<Material, 4> seen;
   for (std::size_t i = 0; i < 4; ++i) seen[i] = domain.material_at(0.5 * (centre + p[i]));
   Material best = at_centre;
-  std::ptrdiff_t most = 1 + std::count(seen.begin(), seen.end(), at_centre);
+  std::ptrdiff_t most = 1 + std::ranges::count(seen, at_centre);
   for (const Material m : seen) {
-    const std::ptrdiff_t votes = std::count(seen.begin(), seen.end(), m);
+    const std::ptrdiff_t votes = std::ranges::count(seen, m);
     if (m != at_centre && (votes > most || (votes == most && best != at_centre && m < best))) {
       most = votes;
       best = m;
@@ -49,8 +49,7 @@ void keep_object_ring(bcc::Lattice& lattice, UninitialisedVector<Material>& mate
       lattice.size(), 4096, [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& out) {
         parallel::KeySet::Lookup lookup(object);
         for (std::size_t i = begin; i < end; ++i) {
-          const bool near = std::any_of(lattice[i].begin(), lattice[i].end(),
-                                        [&](Key key) { return lookup.contains(key); });
+          const bool near = std::ranges::any_of(lattice[i], [&](Key key) { return lookup.contains(key); });
           if (near) out.push_back(static_cast<std::uint32_t>(i));
         }
       });
@@ -103,7 +102,7 @@ UninitialisedVector<std::uint32_t> order_by_corners(const UninitialisedVector<Co
   UninitialisedVector<Corner4> ascending(tets.size());
   parallel::for_each_index(tets.size(), [&](std::size_t t) {
     ascending[t] = tets[t];
-    std::sort(ascending[t].begin(), ascending[t].end());
+    std::ranges::sort(ascending[t]);
   });
   parallel::Adjacency by_lowest = parallel::group_by_owner(
       tets.size(), vertex_count, [&](std::size_t t) { return std::span(ascending[t].data(), 1); });
@@ -191,8 +190,7 @@ void list_faces(const WorkMesh& mesh, std::uint32_t v, std::vector<ListedFace>& 
       if (lowest) faces.push_back({std::uint64_t{high} << 32 | low, t, opposite});
     }
   }
-  std::sort(faces.begin(), faces.end(),
-            [](const ListedFace& a, const ListedFace& b) { return a.others < b.others; });
+  std::ranges::sort(faces, [](const ListedFace& a, const ListedFace& b) { return a.others < b.others; });
 }
 
 }  // namespace

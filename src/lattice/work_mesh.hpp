@@ -28,7 +28,7 @@ inline constexpr std::uint32_t kNoTet = ~std::uint32_t{0};
 
 /// The corner of a triangle that is neither of two others.
 [[nodiscard]] inline std::uint32_t third_corner(const Triangle& t, std::uint32_t a, std::uint32_t b) {
-  return *std::find_if(t.begin(), t.end(), [&](std::uint32_t v) { return v != a && v != b; });
+  return *std::ranges::find_if(t, [&](std::uint32_t v) { return v != a && v != b; });
 }
 
 /// Corners of the face opposite to a corner, anticlockwise seen from outside.

@@ -57,7 +57,7 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
     for (std::size_t p = 0; p < chosen.size(); ++p)
       chosen[p] =
           info.patches[p].kind == PatchKind::kWall && !sides[p].has_inner_faces && is_at_label(p) ? 1 : 0;
-  if (std::find(chosen.begin(), chosen.end(), 1) == chosen.end()) {
+  if (std::ranges::find(chosen, 1) == chosen.end()) {
     std::string known;
     for (std::size_t p = 0; p < chosen.size(); ++p)
       if (is_at_label(p)) known += " " + info.patches[p].name;

@@ -118,14 +118,14 @@ void keep_cells_well_shaped(const ExtrusionFrame& frame, Columns& columns) {
       if (is_stale[t] != 0) is_bad[t] = check.is_good(static_cast<std::uint32_t>(t)) ? 0 : 1;
     });
     const std::vector<double> before = columns.fraction;
-    if (std::find(is_bad.begin(), is_bad.end(), 1) == is_bad.end()) {
+    if (std::ranges::find(is_bad, 1) == is_bad.end()) {
       if (!make_termination_manifold(surface, columns)) return;
       if (!columns.profile.shrinks()) smooth_lengths(surface, columns);
     } else {
       const double factor = round < kPatientRounds ? kShorter : 0;
       parallel::for_each_index(surface.points.size(), [&](std::size_t v) {
         const auto around = surface.triangles_around.of(v);
-        if (std::any_of(around.begin(), around.end(), [&](std::uint32_t t) { return is_bad[t] != 0; }))
+        if (std::ranges::any_of(around, [&](std::uint32_t t) { return is_bad[t] != 0; }))
           columns.shorten(v, factor * columns.length_mm(v), LayerLimit::kShape);
       });
       smooth_lengths(surface, columns);
@@ -133,9 +133,7 @@ void keep_cells_well_shaped(const ExtrusionFrame& frame, Columns& columns) {
     parallel::for_each_index(is_stale.size(), [&](std::size_t t) {
       const Cell<3>& c = surface.triangles[t];
       is_stale[t] =
-          std::any_of(c.begin(), c.end(), [&](std::uint32_t v) { return columns.fraction[v] != before[v]; })
-              ? 1
-              : 0;
+          std::ranges::any_of(c, [&](std::uint32_t v) { return columns.fraction[v] != before[v]; }) ? 1 : 0;
     });
   }
 }

@@ -20,15 +20,15 @@ std::vector<LayerCoverage::Place> worst_places(const LayerSurface& surface, cons
                                                std::vector<std::uint32_t> vertices) {
   constexpr std::size_t kMax = 5;
   std::erase_if(vertices, [&](std::uint32_t v) { return columns.reached(v) >= kComplete; });
-  std::stable_sort(vertices.begin(), vertices.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return columns.reached(a) < columns.reached(b); });
+  std::ranges::stable_sort(
+      vertices, [&](std::uint32_t a, std::uint32_t b) { return columns.reached(a) < columns.reached(b); });
   std::vector<LayerCoverage::Place> worst;
   for (const std::uint32_t v : vertices) {
     if (worst.size() == kMax) break;
     const Vec3& at = surface.points[v];
     const double apart = 2 * columns.wanted_mm[v];
-    if (std::none_of(worst.begin(), worst.end(),
-                     [&](const LayerCoverage::Place& place) { return (place.at - at).norm() < apart; }))
+    if (std::ranges::none_of(
+            worst, [&](const LayerCoverage::Place& place) { return (place.at - at).norm() < apart; }))
       worst.push_back({at, columns.reached(v), columns.limit[v]});
   }
   return worst;

@@ -136,17 +136,15 @@ Vec3 max_normal_direction(std::span<const Vec3> normals) {
   Vec3 nearest = Vec3::Zero();
   for (const Vec3& n : normals) nearest += n / static_cast<double>(normals.size());
   for (int step = 0; step < kMaxSteps; ++step) {
-    const Vec3 farthest =
-        *std::min_element(normals.begin(), normals.end(),
-                          [&](const Vec3& a, const Vec3& b) { return a.dot(nearest) < b.dot(nearest); });
+    const Vec3 farthest = *std::ranges::min_element(
+        normals, [&](const Vec3& a, const Vec3& b) { return a.dot(nearest) < b.dot(nearest); });
     const Vec3 towards = farthest - nearest;
     const double gain = -nearest.dot(towards), length = towards.squaredNorm();
     if (!(gain > kTolerance * nearest.squaredNorm()) || !(length > 0)) break;
     nearest += std::min(1.0, gain / length) * towards;
   }
   constexpr double kNoDirection = 1e-3;
-  const bool sees_all =
-      std::all_of(normals.begin(), normals.end(), [&](const Vec3& n) { return n.dot(nearest) > 0; });
+  const bool sees_all = std::ranges::all_of(normals, [&](const Vec3& n) { return n.dot(nearest) > 0; });
   return sees_all && nearest.norm() > kNoDirection ? Vec3(nearest.normalized()) : Vec3(Vec3::Zero());
 }
 

@@ -52,12 +52,12 @@ struct SweptSection {
   [[nodiscard]] Vec3 towards_circle(const Vec3& point, std::uint32_t v, double along_mm) const {
     if (of_circle.empty()) return Vec3::Zero();
     const double ramp = smoothstep(along_mm, transition_mm);
-    const auto at = std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin();
+    const auto at = std::ranges::lower_bound(vertices, v) - vertices.begin();
     const Vec3 off = point - centre_mm;
     return ramp * (of_circle[static_cast<std::size_t>(at)] - 1) * (off - off.dot(axis) * axis);
   }
   [[nodiscard]] bool has(std::int32_t patch) const {
-    return std::find(patches.begin(), patches.end(), patch) != patches.end();
+    return std::ranges::find(patches, patch) != patches.end();
   }
 };
 
@@ -146,10 +146,9 @@ class Extruder {
     std::vector<std::int32_t> joined = {first};
     for (std::size_t i = 0; i < joined.size(); ++i)
       for (const auto& [edge, at] : at_edge) {
-        if (std::find(at.begin(), at.end(), joined[i]) == at.end()) continue;
+        if (std::ranges::find(at, joined[i]) == at.end()) continue;
         for (const std::int32_t p : at)
-          if (std::find(joined.begin(), joined.end(), p) == joined.end() && looks_alike(p))
-            joined.push_back(p);
+          if (std::ranges::find(joined, p) == joined.end() && looks_alike(p)) joined.push_back(p);
       }
     return joined;
   }
@@ -258,8 +257,7 @@ class Extruder {
     std::map<std::vector<std::uint32_t>, Label> behind;
     const auto look_at = [&](const auto& cells, const std::vector<Label>& labels) {
       for (std::size_t c = 0; c < cells.size(); ++c) {
-        const auto count =
-            std::count_if(cells[c].begin(), cells[c].end(), [&](std::uint32_t v) { return is_at[v]; });
+        const auto count = std::ranges::count_if(cells[c], [&](std::uint32_t v) { return is_at[v]; });
         if (count < 3) continue;
         for (const LocalFace& face : faces_of_cell(cells[c].size())) {
           std::vector<std::uint32_t> corners;
@@ -412,8 +410,8 @@ class Extruder {
   void sweep(const SweptSection& s, double length_mm) {
     const auto rows = static_cast<std::size_t>(std::max(1.0, std::round(length_mm / row_height_mm(s))));
     add_points(s, length_mm, rows);
-    const bool has_quads = std::any_of(s.faces.begin(), s.faces.end(),
-                                       [](const PatchFace& face) { return face.corners.size() == 4; });
+    const bool has_quads =
+        std::ranges::any_of(s.faces, [](const PatchFace& face) { return face.corners.size() == 4; });
     const bool splits = cells_ == LayerCells::kTetrahedra && !has_quads;
     add_sides(s, rows, splits);
     if (mesh().view().cell_count() > 0) add_cells(s, rows, splits);
@@ -440,7 +438,7 @@ class Extruder {
   /// The vertex that one of the section has in a row; row 0 is the section.
   [[nodiscard]] std::uint32_t vertex(const SweptSection& s, std::uint32_t v, std::size_t row) const {
     if (row == 0) return v;
-    const auto at = std::lower_bound(s.vertices.begin(), s.vertices.end(), v) - s.vertices.begin();
+    const auto at = std::ranges::lower_bound(s.vertices, v) - s.vertices.begin();
     return first_new_ + static_cast<std::uint32_t>((row - 1) * s.vertices.size()) +
            static_cast<std::uint32_t>(at);
   }
@@ -514,7 +512,7 @@ class Extruder {
       return;
     }
     // From the lowest corner on, as split_into_tetrahedra() has it.
-    const auto low = static_cast<std::size_t>(std::min_element(side.begin(), side.end()) - side.begin());
+    const auto low = static_cast<std::size_t>(std::ranges::min_element(side) - side.begin());
     const auto at = [&](std::size_t i) { return side[(low + i) % 4]; };
     m.triangles.push_back({at(0), at(1), at(2)});
     m.triangles.push_back({at(0), at(2), at(3)});

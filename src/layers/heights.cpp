@@ -40,7 +40,7 @@ std::vector<double> schedule_up_to(const LayerOptions& options, double most) {
 /// Layers whose sum comes nearest to the thickness.
 int count_for_thickness(const LayerOptions& options) {
   const std::vector<double> all = schedule_with(options, options.growth, kMaxLayers);
-  const auto above = std::lower_bound(all.begin(), all.end(), options.thickness);
+  const auto above = std::ranges::lower_bound(all, options.thickness);
   if (above == all.end())
     throw Error(
         ErrorKind::kBadInput,
@@ -217,8 +217,7 @@ LayerProfile::LayerProfile(std::vector<double> levels, ShortOfRoom short_of_room
 int LayerProfile::count(double fraction) const {
   constexpr double kRounding = 1 + 1e-9;
   if (shrinks()) return fraction > 0 ? layers() : 0;
-  return static_cast<int>(std::upper_bound(least_.begin(), least_.end(), kRounding * fraction) -
-                          least_.begin());
+  return static_cast<int>(std::ranges::upper_bound(least_, kRounding * fraction) - least_.begin());
 }
 
 double LayerProfile::filled(double fraction) const {
@@ -252,7 +251,7 @@ void Columns::shorten(std::size_t v, double to_mm, LayerLimit why) {
 }
 
 bool Columns::are_empty() const {
-  return std::all_of(fraction.begin(), fraction.end(), [](double share) { return share == 0; });
+  return std::ranges::all_of(fraction, [](double share) { return share == 0; });
 }
 
 void Columns::ask_for_what_is() {
@@ -270,7 +269,7 @@ WantedColumns wanted_columns(const LayerSurface& surface, const Directions& dire
     parallel::for_each_index(count, [&](std::size_t v) { most[v] /= scales[v]; });
   }
   WantedColumns wanted;
-  wanted.heights = height_schedule(options, most.empty() ? 0 : *std::max_element(most.begin(), most.end()));
+  wanted.heights = height_schedule(options, most.empty() ? 0 : *std::ranges::max_element(most));
   const std::vector<double>& heights = wanted.heights;
   wanted.columns = {std::move(scales),
                     std::vector<double>(count, 1),

@@ -71,8 +71,8 @@ std::vector<std::pair<Bits, std::uint32_t>> surface_vertices_by_place(const TetM
 /// Vertices are told by their places.
 void check_places(const TetMesh& mesh) {
   const auto known = surface_vertices_by_place(mesh);
-  const auto twice = std::adjacent_find(known.begin(), known.end(),
-                                        [](const auto& a, const auto& b) { return a.first == b.first; });
+  const auto twice =
+      std::ranges::adjacent_find(known, [](const auto& a, const auto& b) { return a.first == b.first; });
   if (twice == known.end()) return;
   throw Error(ErrorKind::kBadInput, fmt::format("two vertices of the surface lie at {} mm; "
                                                 "move them apart, or make them one",
@@ -253,7 +253,7 @@ std::vector<std::uint8_t> InteriorDeformation::flags_at_tets(
 
 /// Whether a tetrahedron has an edge shorter than this in the metric.
 bool InteriorDeformation::has_short_edge(TetId t, double min_length) const {
-  return std::any_of(kTetEdges.begin(), kTetEdges.end(), [&](const auto& edge) {
+  return std::ranges::any_of(kTetEdges, [&](const auto& edge) {
     const VertexId a = mesh_.vertex(t, edge[0]), b = mesh_.vertex(t, edge[1]);
     return metric::edge_length(mesh_.point(a), mesh_.metric(a), mesh_.point(b), mesh_.metric(b)) < min_length;
   });
@@ -264,7 +264,7 @@ void InteriorDeformation::find_columns() {
   const std::vector<std::pair<Bits, std::uint32_t>> known = surface_vertices_by_place(mesh_);
   for (std::size_t v = 0; v < vertices_.size(); ++v) {
     const Bits bits = bits_of(frame_.end(v, reached_mm_[v]));
-    const auto found = std::lower_bound(known.begin(), known.end(), std::pair{bits, std::uint32_t{0}});
+    const auto found = std::ranges::lower_bound(known, std::pair{bits, std::uint32_t{0}});
     LUMESH_ASSERT(found != known.end() && found->first == bits);
     vertices_[v] = found->second;
   }

@@ -62,7 +62,7 @@ class LayerBuilder {
     out_.triangles.clear();
     out_.triangle_patches.clear();
     const std::span<const Label> labels = mesh_.labels();
-    is_new_label_ = std::find(labels.begin(), labels.end(), label_) == labels.end();
+    is_new_label_ = std::ranges::find(labels, label_) == labels.end();
     if (!options_.label_name.empty())
       out_.info.label_names[label_] = options_.label_name;
     else if (is_new_label_)
@@ -70,7 +70,7 @@ class LayerBuilder {
   }
   [[nodiscard]] std::string free_label_name(const std::string& usual) const {
     const auto is_taken = [&](const auto& entry) { return entry.second == usual; };
-    const bool taken = std::any_of(out_.info.label_names.begin(), out_.info.label_names.end(), is_taken);
+    const bool taken = std::ranges::any_of(out_.info.label_names, is_taken);
     return taken ? fmt::format("{}_{}", usual, label_) : usual;
   }
   void add_points() {
@@ -110,8 +110,7 @@ class LayerBuilder {
     for (std::size_t f = 0; f < faces_.triangles.size(); ++f) {
       const Cell<3>& c = faces_.triangles[f];
       const auto patch = static_cast<std::size_t>(faces_.patches[f]);
-      const bool unlayered =
-          std::none_of(c.begin(), c.end(), [&](std::uint32_t v) { return at_layers[v] != 0; });
+      const bool unlayered = std::ranges::none_of(c, [&](std::uint32_t v) { return at_layers[v] != 0; });
       if (choice_.layered[patch] == 0)
         add_face(c, faces_.patches[f]);
       else if (unlayered)
@@ -171,7 +170,7 @@ class LayerBuilder {
   /// A prism, or the pyramid or tetrahedron that is left where columns do not have this layer.
   void add_prism(Cell<3> c, int k) {
     const auto has = [&](std::uint32_t v) { return has_layer(v, k); };
-    const auto columns = std::count_if(c.begin(), c.end(), has);
+    const auto columns = std::ranges::count_if(c, has);
     const auto turn_until = [&](const auto& good) {
       while (!good()) std::rotate(c.begin(), c.begin() + 1, c.end());
     };

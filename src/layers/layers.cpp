@@ -104,8 +104,7 @@ WantedColumns columns_by_heights(const TetMesh& mesh, const BoundaryFaces& faces
   const Outside outside(mesh, faces);
   WantedColumns wanted = wanted_columns(frame.surface, frame.directions, options, outside);
   Columns& columns = wanted.columns;
-  require_fitting_thickness(*std::min_element(columns.wanted_mm.begin(), columns.wanted_mm.end()),
-                            wanted.heights.back(), "surface",
+  require_fitting_thickness(*std::ranges::min_element(columns.wanted_mm), wanted.heights.back(), "surface",
                             bounding_box(frame.surface.points).diagonal().norm());
   keep_from_other_sides(frame.surface, frame.directions, outside, side, columns);
   smooth_lengths(frame.surface, columns);

@@ -17,7 +17,7 @@ class Skin {
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
       const Cell<3>& c = surface_.triangles[t];
       has_layers_[t] =
-          std::any_of(c.begin(), c.end(), [&](std::uint32_t v) { return columns.fraction[v] > 0; }) ? 1 : 0;
+          std::ranges::any_of(c, [&](std::uint32_t v) { return columns.fraction[v] > 0; }) ? 1 : 0;
       triangles_.push_back(c);
       columns_.push_back({surface_.vertices[c[0]], surface_.vertices[c[1]], surface_.vertices[c[2]]});
     }
@@ -72,9 +72,8 @@ class Skin {
   }
   /// Neighbours touch by construction; whether they fold is the cells' matter.
   [[nodiscard]] bool shares_column(std::uint32_t a, std::uint32_t b) const {
-    return std::any_of(columns_[a].begin(), columns_[a].end(), [&](std::uint32_t v) {
-      return std::find(columns_[b].begin(), columns_[b].end(), v) != columns_[b].end();
-    });
+    return std::ranges::any_of(
+        columns_[a], [&](std::uint32_t v) { return std::ranges::find(columns_[b], v) != columns_[b].end(); });
   }
   void raise_at(std::size_t t, std::vector<std::uint8_t>& flags) const {
     for (const std::uint32_t v : surface_.triangles[t]) parallel::raise(flags[v]);
@@ -96,7 +95,7 @@ void keep_skin_simple(const ExtrusionFrame& frame, const TetMesh* outside, Colum
     Skin skin(frame, columns);
     if (outside != nullptr) skin.add_outside(*outside);
     const std::vector<std::uint8_t> cuts = skin.columns_that_cut();
-    if (std::find(cuts.begin(), cuts.end(), 1) == cuts.end()) return;
+    if (std::ranges::find(cuts, 1) == cuts.end()) return;
     const double factor = round < kPatientRounds ? kShorter : 0;
     parallel::for_each_index(cuts.size(), [&](std::size_t v) {
       if (cuts[v] != 0) columns.shorten(v, factor * columns.length_mm(v), LayerLimit::kSkin);

@@ -9,7 +9,7 @@ namespace {
 
 bool has(const LayerSurface& surface, std::uint32_t t, std::uint32_t v) {
   const Cell<3>& c = surface.triangles[t];
-  return std::find(c.begin(), c.end(), v) != c.end();
+  return std::ranges::find(c, v) != c.end();
 }
 
 /// Whether the layered patches touch themselves at a vertex, as where two ends of an opening meet: a column
@@ -17,9 +17,8 @@ bool has(const LayerSurface& surface, std::uint32_t t, std::uint32_t v) {
 bool is_between_fans(const LayerSurface& surface, std::uint32_t v) {
   const auto around = surface.triangles_around.of(v);
   const auto neighbours = surface.neighbours.of(v);
-  const auto ends = std::count_if(neighbours.begin(), neighbours.end(), [&](std::uint32_t w) {
-    return std::count_if(around.begin(), around.end(), [&](std::uint32_t t) { return has(surface, t, w); }) ==
-           1;
+  const auto ends = std::ranges::count_if(neighbours, [&](std::uint32_t w) {
+    return std::ranges::count_if(around, [&](std::uint32_t t) { return has(surface, t, w); }) == 1;
   });
   return ends > 2;
 }
@@ -30,7 +29,7 @@ class TerminationCheck {
       : surface_(surface), columns_(columns), is_unlayered_(surface.triangles.size()) {
     parallel::for_each_index(is_unlayered_.size(), [&](std::size_t t) {
       const Cell<3>& c = surface.triangles[t];
-      is_unlayered_[t] = std::all_of(c.begin(), c.end(), [&](std::uint32_t v) { return is_gone(v); }) ? 1 : 0;
+      is_unlayered_[t] = std::ranges::all_of(c, [&](std::uint32_t v) { return is_gone(v); }) ? 1 : 0;
     });
   }
 
@@ -71,17 +70,17 @@ bool make_termination_manifold(const LayerSurface& surface, Columns& columns) {
     goes[v] = columns.fraction[v] != 0 && is_between_fans(surface, vertex) ? 1 : 0;
     if (goes[v] != 0) columns.shorten(v, 0, LayerLimit::kNeighbour);
   });
-  for (bool changed = std::find(goes.begin(), goes.end(), 1) != goes.end();; changed = true) {
+  for (bool changed = std::ranges::find(goes, 1) != goes.end();; changed = true) {
     const TerminationCheck check(surface, columns);
     std::vector<std::uint8_t> pinches(count);
     parallel::for_each_index(count, [&](std::size_t v) {
       const auto vertex = static_cast<std::uint32_t>(v);
       pinches[v] = check.is_gone(vertex) && check.pinches(vertex) ? 1 : 0;
     });
-    if (std::find(pinches.begin(), pinches.end(), 1) == pinches.end()) return changed;
+    if (std::ranges::find(pinches, 1) == pinches.end()) return changed;
     parallel::for_each_index(count, [&](std::size_t v) {
       const auto around = surface.neighbours.of(v);
-      if (std::any_of(around.begin(), around.end(), [&](std::uint32_t w) { return pinches[w] != 0; }))
+      if (std::ranges::any_of(around, [&](std::uint32_t w) { return pinches[w] != 0; }))
         columns.shorten(v, 0, LayerLimit::kNeighbour);
     });
   }

@@ -22,7 +22,7 @@ FaceCorners corners_of(const Cell<N>& cell, std::size_t face) {
 Cell<4> key_of(const FaceCorners& face) {
   Cell<4> key = face;
   if (is_triangle(face)) key[3] = VertexId::kNone;
-  std::sort(key.begin(), key.end());
+  std::ranges::sort(key);
   return key;
 }
 

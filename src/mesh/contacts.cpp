@@ -31,7 +31,7 @@ FaceCorners joined_face(const FaceCorners& face, const std::vector<std::uint32_t
 }
 
 bool has_shared_corners(const FaceCorners& face, const JoinedPoints& joined) {
-  return std::all_of(face.begin(), face.end(), [&](std::uint32_t v) { return joined.is_shared[v] != 0; });
+  return std::ranges::all_of(face, [&](std::uint32_t v) { return joined.is_shared[v] != 0; });
 }
 
 std::vector<PartFace> faces_with_shared_corners(std::span<const PartSurface> parts,
@@ -68,17 +68,15 @@ FreeSurface free_surface(const PartSurface& part, const std::vector<std::uint32_
 /// Whether two triangles of one surface and this one of another are the halves of one quadrilateral by its
 /// other diagonal. @param own  Keys of the faces of the first surface, sorted.
 bool has_other_diagonal(const FaceCorners& face, const Cell<3>& other, std::span<const Cell<4>> own) {
-  const auto is_of_face = [&](std::uint32_t v) {
-    return std::find(face.begin(), face.end(), v) != face.end();
-  };
+  const auto is_of_face = [&](std::uint32_t v) { return std::ranges::find(face, v) != face.end(); };
   if (!is_triangle(face)) return true;
-  if (std::count_if(other.begin(), other.end(), is_of_face) != 2) return false;
+  if (std::ranges::count_if(other, is_of_face) != 2) return false;
   const std::uint32_t beyond = *std::find_if_not(other.begin(), other.end(), is_of_face);
-  return std::any_of(face.begin(), face.end(), [&](std::uint32_t left_out) {
+  return std::ranges::any_of(face, [&](std::uint32_t left_out) {
     FaceCorners partner = face;
-    std::replace(partner.begin(), partner.end(), left_out, beyond);
-    const bool keeps_third = std::find(other.begin(), other.end(), left_out) != other.end();
-    return keeps_third && std::binary_search(own.begin(), own.end(), key_of(partner));
+    std::ranges::replace(partner, left_out, beyond);
+    const bool keeps_third = std::ranges::find(other, left_out) != other.end();
+    return keeps_third && std::ranges::binary_search(own, key_of(partner));
   });
 }
 
@@ -188,7 +186,7 @@ void check_surfaces_match(std::span<const PartSurface> parts, const JoinedPoints
 void check_parts_touch(std::span<const PartSurface> parts, const JoinedPoints& joined,
                        std::span<const Contact> contacts) {
   const std::vector<std::uint32_t> groups = joined_groups(parts.size(), contacts);
-  const auto alone = std::find_if(groups.begin(), groups.end(), [](std::uint32_t g) { return g != 0; });
+  const auto alone = std::ranges::find_if(groups, [](std::uint32_t g) { return g != 0; });
   if (alone == groups.end()) return;
   const PartSurface& part = parts[static_cast<std::size_t>(alone - groups.begin())];
   double smallest = std::numeric_limits<double>::infinity();

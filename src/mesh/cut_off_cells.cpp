@@ -33,8 +33,7 @@ template <class Corners>
 bool passes_through(const Corners& corners, const std::vector<double>& heights) {
   const auto is_above = [&](std::uint32_t v) { return heights[v] > 0; };
   const auto is_below = [&](std::uint32_t v) { return heights[v] < 0; };
-  return std::any_of(corners.begin(), corners.end(), is_above) &&
-         std::any_of(corners.begin(), corners.end(), is_below);
+  return std::ranges::any_of(corners, is_above) && std::ranges::any_of(corners, is_below);
 }
 
 /// Moves vertices near the plane into it.
@@ -139,7 +138,7 @@ class VertexSlide {
                              const std::vector<Vec3>& normals) const {
     constexpr double kVolume = 0.2, kCosine = 0.7;
     const auto is_in_plane = [&](const auto& corners) {
-      return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t w) { return heights_[w] == 0; });
+      return std::ranges::all_of(corners, [&](std::uint32_t w) { return heights_[w] == 0; });
     };
     const std::vector<double> volumes_now = volumes_around(v);
     for (std::size_t i = 0; i < volumes.size(); ++i)
@@ -172,7 +171,7 @@ class Division {
     const std::uint32_t middle = point_of(low, high);
     for (const std::uint32_t replaced : {low, high}) {
       Cell<N> part = corners;
-      std::replace(part.begin(), part.end(), replaced, middle);
+      std::ranges::replace(part, replaced, middle);
       divide(part, visit);
     }
   }
@@ -234,7 +233,7 @@ class Cutter {
   using FaceKey = Cell<3>;
 
   void check_sides() const {
-    if (std::none_of(heights_.begin(), heights_.end(), [](double h) { return h > 0; }))
+    if (std::ranges::none_of(heights_, [](double h) { return h > 0; }))
       refuse_cut("nothing of the mesh lies beyond the plane at " + coordinates_text(origin_) +
                  "; what lies on the normal's side is cut off");
     const auto check = [&](const auto& cells) {
@@ -298,11 +297,11 @@ class Cutter {
 
   template <class Corners>
   [[nodiscard]] bool is_beyond(const Corners& corners) const {
-    return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return heights_[v] > 0; });
+    return std::ranges::any_of(corners, [&](std::uint32_t v) { return heights_[v] > 0; });
   }
   template <class Corners>
   [[nodiscard]] bool is_in_plane(const Corners& corners) const {
-    return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return heights_[v] == 0; });
+    return std::ranges::all_of(corners, [&](std::uint32_t v) { return heights_[v] == 0; });
   }
   /// Records a face, if it lies in the plane, of a removed cell.
   void note_face(const Cell<3>& face) {
@@ -311,8 +310,7 @@ class Cutter {
   void require_positive(const Cell<4>& tet) const {
     const auto& [a, b, c, d] = tet;
     const std::vector<Vec3>& p = mesh_.points;
-    const bool is_as_given =
-        std::all_of(tet.begin(), tet.end(), [&](std::uint32_t v) { return heights_[v] < 0; });
+    const bool is_as_given = std::ranges::all_of(tet, [&](std::uint32_t v) { return heights_[v] < 0; });
     if (!is_as_given && !(orient3d(p[a], p[b], p[c], p[d]) > 0))
       refuse_cut("the plane would leave a flat tetrahedron at " + coordinates_text(p[a]) +
                  "; move it a little");
@@ -396,8 +394,7 @@ class Cutter {
     }
     std::vector<Piece> pieces;
     for (auto& [root, piece] : by_root) pieces.push_back(std::move(piece));
-    std::stable_sort(pieces.begin(), pieces.end(),
-                     [](const Piece& a, const Piece& b) { return a.area > b.area; });
+    std::ranges::stable_sort(pieces, [](const Piece& a, const Piece& b) { return a.area > b.area; });
     return pieces;
   }
 

@@ -92,7 +92,7 @@ class PointGrid {
   [[nodiscard]] std::pair<double, std::uint32_t> nearest_in(const Cells& cell, const Vec3& place) const {
     const std::uint64_t key = key_at(cell);
     std::pair<double, std::uint32_t> best = {kInfinite, VertexId::kNone};
-    auto entry = std::lower_bound(entries_.begin(), entries_.end(), std::pair(key, std::uint32_t{0}));
+    auto entry = std::ranges::lower_bound(entries_, std::pair(key, std::uint32_t{0}));
     for (; entry != entries_.end() && entry->first == key; ++entry)
       best = std::min(best, {(points_[entry->second] - place).norm(), entry->second});
     return best;
@@ -143,7 +143,7 @@ class PointJoiner {
     return found;
   }
   void require_distinct(const PartSurface& part, std::vector<std::uint32_t> found) const {
-    std::sort(found.begin(), found.end());
+    std::ranges::sort(found);
     for (std::size_t i = 1; i < found.size() && found[i] != VertexId::kNone; ++i)
       if (found[i] == found[i - 1])
         throw Error(

@@ -69,8 +69,7 @@ std::vector<Corner> boundary_corners(const TetMesh& mesh) {
 std::vector<Corner> surfaces(std::span<const Corner> corners, std::span<const Corner> vertices) {
   SharedSets sets(vertices.size());
   const auto place_of = [&](std::size_t corner) {
-    return static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corners[corner]) -
-                                      vertices.begin());
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(vertices, corners[corner]) - vertices.begin());
   };
   parallel::for_each_index(corners.size() / 3, [&](std::size_t face) {
     const std::uint32_t first = place_of(3 * face);

@@ -76,8 +76,7 @@ void append_cells_of(const MixedMesh& part, const std::vector<std::uint32_t>& po
 template <class Value>
 std::vector<Value> values_of(std::span<const MergePart> parts, const JoinedPoints& joined,
                              std::vector<Value> MixedMesh::*values) {
-  if (std::any_of(parts.begin(), parts.end(), [&](const MergePart& p) { return (p.mesh->*values).empty(); }))
-    return {};
+  if (std::ranges::any_of(parts, [&](const MergePart& p) { return (p.mesh->*values).empty(); })) return {};
   std::vector<Value> all(joined.points.size());
   for (std::size_t p = parts.size(); p-- > 0;)  // The first part last: it has the last word.
     for (std::size_t v = 0; v < joined.numbers[p].size(); ++v)
@@ -113,8 +112,7 @@ MergeReport report_of(const JoinedPoints& joined, std::span<const Contact> conta
   MergeReport report;
   report.tolerance = joined.tolerance;
   report.farthest = joined.farthest;
-  report.shared_points =
-      static_cast<std::uint64_t>(std::count(joined.is_shared.begin(), joined.is_shared.end(), 1));
+  report.shared_points = static_cast<std::uint64_t>(std::ranges::count(joined.is_shared, 1));
   report.shared_faces = contacts.size();
   const std::span<const Vec3> points = joined.points;
   for (const Contact& contact : contacts) {

@@ -46,8 +46,8 @@ class LabelMerger {
   /// The number of a name in the parts so far; kBackground if there is none or names do not count.
   [[nodiscard]] Label number_named(const std::string& name) const {
     if (name.empty() || equal_labels_ != EqualLabels::kByName) return kBackground;
-    const auto found = std::find_if(merged_.names.begin(), merged_.names.end(),
-                                    [&](const auto& entry) { return entry.second == name; });
+    const auto found =
+        std::ranges::find_if(merged_.names, [&](const auto& entry) { return entry.second == name; });
     return found == merged_.names.end() ? kBackground : found->first;
   }
   [[nodiscard]] bool may_stay(Label label, const std::string& name) const {

@@ -135,7 +135,7 @@ class PartBuilder {
     parallel::sort(listed.begin(), listed.end());
     using Pair = std::array<CellSide, 2>;  // The one that stays first.
     const auto cut = sides_.collect<Pair>([&](std::span<const CellSide> run, std::vector<Pair>& out) {
-      if (run.size() < 2 || std::binary_search(listed.begin(), listed.end(), run[0].key)) return;
+      if (run.size() < 2 || std::ranges::binary_search(listed, run[0].key)) return;
       const bool first_stays = stays(sides_.label(run[0]));
       if (first_stays != stays(sides_.label(run[1])))
         out.push_back(first_stays ? Pair{run[0], run[1]} : Pair{run[1], run[0]});

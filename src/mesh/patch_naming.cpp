@@ -24,7 +24,7 @@ std::string PatchNaming::between(Label a, Label b) const {
   // Of other labels, too, such as a_b and c for a and b_c: numbers tell them apart.
   const auto is_word = [&](const std::string& text) {
     return (!text.empty() && text.find_first_not_of("0123456789") == std::string::npos) ||
-           std::any_of(words_.begin(), words_.end(), [&](const auto& one) { return one.second == text; });
+           std::ranges::any_of(words_, [&](const auto& one) { return one.second == text; });
   };
   int readings = 0;
   for (std::size_t at = name.find('_'); at != std::string::npos; at = name.find('_', at + 1))

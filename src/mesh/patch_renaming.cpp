@@ -76,8 +76,8 @@ const NamedOpening& opening_near(const Vec3& place, std::span<const NamedOpening
   const auto off = [&](const NamedOpening& o) {
     return o.is_rim ? std::numeric_limits<double>::infinity() : (o.centre_mm - place).norm();
   };
-  const auto nearest = std::min_element(openings.begin(), openings.end(),
-                                        [&](const auto& a, const auto& b) { return off(a) < off(b); });
+  const auto nearest =
+      std::ranges::min_element(openings, [&](const auto& a, const auto& b) { return off(a) < off(b); });
   if (nearest == openings.end() || off(*nearest) > kRadii * nearest->radius_mm)
     throw Error(ErrorKind::kBadInput, fmt::format("no opening is near ({:g}, {:g}, {:g}) mm; {}", place.x(),
                                                   place.y(), place.z(), list_of(openings)));
@@ -215,8 +215,8 @@ std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
       throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", renaming.name));
     if (renaming.near_mm) renaming.patch = opening_near(*renaming.near_mm, openings).name;
     if (renaming.area_mm2) renaming.patch = opening_of_area(*renaming.area_mm2, openings).name;
-    const bool is_there = std::any_of(openings.begin(), openings.end(),
-                                      [&](const NamedOpening& o) { return o.name == renaming.patch; });
+    const bool is_there =
+        std::ranges::any_of(openings, [&](const NamedOpening& o) { return o.name == renaming.patch; });
     if (!is_there && kind_meant_by(renaming.patch) == PatchKind::kOpening)
       throw Error(ErrorKind::kBadInput, fmt::format("there is no {} to call {}; {}", renaming.patch,
                                                     renaming.name, list_of(openings)));

@@ -14,7 +14,7 @@ bool is_in_words(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_' || c == '-' || c == '.';
 }
 bool is_number(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), is_digit);
+  return std::ranges::all_of(text, is_digit);
 }
 
 /// Words that stand for something else in names of patches.

@@ -49,7 +49,7 @@ void check_input(std::span<const Vec3> points, std::span<const Cell<4>> tets, st
   const std::size_t bad_label = first_failing(labels.size(), [&](std::size_t t) { return labels[t] < 0; });
   if (bad_label != kNothing) refuse("tetrahedron " + std::to_string(bad_label) + " has a negative label");
   const auto out_of_range = [&](std::size_t t) {
-    return std::any_of(tets[t].begin(), tets[t].end(), [&](std::uint32_t v) { return v >= points.size(); });
+    return std::ranges::any_of(tets[t], [&](std::uint32_t v) { return v >= points.size(); });
   };
   const std::size_t bad_index = first_failing(tets.size(), out_of_range);
   if (bad_index != kNothing)
@@ -223,7 +223,7 @@ struct TetMesh::Assembly {
     const auto is_interface = [&](const OpenFace& open) {
       return !mesh.link(open.tet, open.face).is_boundary();
     };
-    if (std::any_of(open_faces.begin(), open_faces.end(), is_interface)) mesh.enable_interfaces();
+    if (std::ranges::any_of(open_faces, is_interface)) mesh.enable_interfaces();
     parallel::for_each_index(open_faces.size(), [&](std::size_t i) {
       const OpenFace& open = open_faces[i];
       const PatchId patch(static_cast<std::uint32_t>(open.patch));
@@ -247,8 +247,7 @@ struct TetMesh::Assembly {
       return Pair{open.outside, open.inside};
     });
     parallel::sort_unique(pairs);
-    const auto walls =
-        std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) { return p[0] == kBackground; });
+    const auto walls = std::ranges::count_if(pairs, [](const Pair& p) { return p[0] == kBackground; });
     const PatchNaming naming(mesh.info_.label_names);
     mesh.info_.patches.clear();
     for (const auto& [outside, inside] : pairs) {
@@ -259,7 +258,7 @@ struct TetMesh::Assembly {
     }
     return [pairs = std::move(pairs)](Label inside, Label outside, const Cell<3>&) {
       const Pair key = {outside, inside};
-      return static_cast<std::int32_t>(std::lower_bound(pairs.begin(), pairs.end(), key) - pairs.begin());
+      return static_cast<std::int32_t>(std::ranges::lower_bound(pairs, key) - pairs.begin());
     };
   }
 

@@ -44,7 +44,7 @@ struct KeyedTet {
 };
 
 Cell<4> sorted_vertices(Cell<4> vertices) {
-  std::sort(vertices.begin(), vertices.end());
+  std::ranges::sort(vertices);
   return vertices;
 }
 
@@ -150,8 +150,7 @@ void TetMesh::normalise() {
   const auto new_face = [&](FaceLink link) {
     if (link.is_boundary()) return link;
     const auto& order = places[link.tet().value];
-    return FaceLink::to(link.tet(),
-                        static_cast<int>(std::find(order.begin(), order.end(), link.face()) - order.begin()));
+    return FaceLink::to(link.tet(), static_cast<int>(std::ranges::find(order, link.face()) - order.begin()));
   };
   parallel::for_each_index(tet_slots(), [&](std::size_t t) {
     const Cell<4> corners = tets_[t];

@@ -13,14 +13,14 @@ namespace {
 
 /// A quadrilateral that begins with its lowest corner, in the same sense.
 FaceCorners from_lowest(FaceCorners face) {
-  if (!is_triangle(face)) std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+  if (!is_triangle(face)) std::rotate(face.begin(), std::ranges::min_element(face), face.end());
   return face;
 }
 
 /// Appends the tetrahedra of a cell.
 template <std::size_t N>
 void append_cone(const Cell<N>& cell, std::vector<Cell<4>>& tets) {
-  const std::uint32_t apex = *std::min_element(cell.begin(), cell.end());
+  const std::uint32_t apex = *std::ranges::min_element(cell);
   for (const LocalFace& local : faces_of_cell(N)) {
     const auto [a, b, c, d] = from_lowest({cell[local[0]], cell[local[1]], cell[local[2]], cell[local[3]]});
     if (a == apex || b == apex || c == apex || d == apex) continue;

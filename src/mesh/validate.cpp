@@ -117,7 +117,7 @@ void check_star(const TetMesh& mesh, VertexId v, std::uint32_t tets_at_vertex, F
       outside_faces += mesh.link(t, i).is_boundary();
       on_patch |= mesh.patch(t, i).valid();
     }
-  std::sort(neighbours.begin(), neighbours.end());
+  std::ranges::sort(neighbours);
   const auto link_vertices = std::unique(neighbours.begin(), neighbours.end()) - neighbours.begin();
   const auto link_triangles = static_cast<std::int64_t>(star.size());
   const std::int64_t link_edges = (3 * link_triangles + outside_faces) / 2;

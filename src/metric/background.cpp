@@ -58,7 +58,7 @@ TetId walk_to(const TetMesh& mesh, TetId t, const Vec3& point, Weights& weights)
 }
 
 bool is_inside(const Weights& weights) {
-  return *std::min_element(weights.begin(), weights.end()) >= -kRounding;
+  return *std::ranges::min_element(weights) >= -kRounding;
 }
 
 Weights brought_inside(Weights weights) {

@@ -77,7 +77,7 @@ std::vector<SymTensor> metric_from_curvature(const TetMesh& mesh, const Domain& 
     if (closest) curvatures[i] = curvature_at(domain, *closest, places[i]);
   });
   const auto found = [](const auto& curvature) { return curvature.has_value(); };
-  if (std::none_of(curvatures.begin(), curvatures.end(), found))
+  if (std::ranges::none_of(curvatures, found))
     throw Error(ErrorKind::kBadInput,
                 "the mesh's boundary is not near its own; give the one the mesh was made of");
   const double flat = 1 / (largest * largest);

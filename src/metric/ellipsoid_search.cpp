@@ -168,7 +168,7 @@ void EllipsoidSearch::turn_to_principal_axes(std::span<const Vec3> points) {
     std::vector<double>& along = along_[axis];
     along.resize(count_);
     for (std::size_t i = 0; i < count_; ++i) along[i] = axes_.col(axis).dot(points[i] - mean_);
-    const auto [low, high] = std::minmax_element(along.begin(), along.end());
+    const auto [low, high] = std::ranges::minmax_element(along);
     middle_[axis] = 0.5 * (*low + *high);
     half_range_[axis] = 0.5 * (*high - *low);
   }

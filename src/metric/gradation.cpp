@@ -75,7 +75,7 @@ int limit_gradation(TetMesh& mesh, const GradationOptions& options) {
       mesh.set_metric(id(v), next[v], log(next[v]));
     });
     changed.swap(changes);
-    if (std::none_of(changed.begin(), changed.end(), [](std::uint8_t c) { return c != 0; })) return sweep;
+    if (std::ranges::none_of(changed, [](std::uint8_t c) { return c != 0; })) return sweep;
   }
   return options.max_sweeps;
 }

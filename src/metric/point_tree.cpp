@@ -132,9 +132,8 @@ double median_spacing(std::span<const Vec3> points, const PointTree& tree) {
 void require_near_points(std::span<const Vec3> places, std::span<const Vec3> points) {
   const Box3 box = bounding_box(places);
   const double reach = box.sizes().norm();
-  const bool is_near = std::any_of(points.begin(), points.end(), [&](const Vec3& p) {
-    return box.squaredExteriorDistance(p) <= reach * reach;
-  });
+  const bool is_near = std::ranges::any_of(
+      points, [&](const Vec3& p) { return box.squaredExteriorDistance(p) <= reach * reach; });
   // Many points fill what they are of, at least in part: so small or large a box is that of metres beside
   // millimetres.
   constexpr std::size_t kMany = 100;

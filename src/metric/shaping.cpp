@@ -97,8 +97,7 @@ BoundaryFaces kept_faces(const TetMesh& mesh, const MetricLimits& limits) {
   BoundaryFaces kept;
   for (std::size_t f = 0; f < all.triangles.size(); ++f) {
     const PatchId patch(static_cast<std::uint32_t>(all.patches[f]));
-    if (std::find(limits.kept_patches.begin(), limits.kept_patches.end(), patch) == limits.kept_patches.end())
-      continue;
+    if (std::ranges::find(limits.kept_patches, patch) == limits.kept_patches.end()) continue;
     kept.triangles.push_back(all.triangles[f]);
     kept.patches.push_back(all.patches[f]);
     kept.tets.push_back(all.tets[f]);

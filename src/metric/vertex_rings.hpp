@@ -23,7 +23,7 @@ namespace lumesh::metric {
       for (const std::uint32_t w : neighbours.of(found[reached])) ring.push_back(w);
     sort_unique(ring);
     std::vector<std::uint32_t> before(found);
-    std::sort(before.begin(), before.end());
+    std::ranges::sort(before);
     std::set_difference(ring.begin(), ring.end(), before.begin(), before.end(), std::back_inserter(found));
   }
   found.erase(found.begin());

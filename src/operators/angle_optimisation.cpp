@@ -13,8 +13,7 @@ constexpr int kHoles = 14;  // Around six edges and the tetrahedron itself, each
 
 /// Keeps what is reached from t around the edge without crossing a patch.
 void cut_to_sector(const TetMesh& mesh, TetId t, EdgeRing& ring) {
-  const std::size_t size = ring.tets.size(),
-                    at = std::find(ring.tets.begin(), ring.tets.end(), t) - ring.tets.begin();
+  const std::size_t size = ring.tets.size(), at = std::ranges::find(ring.tets, t) - ring.tets.begin();
   // The face between tets[k] and the next one is opposite rim[k], that to the one before opposite the next of
   // the rim.
   const auto is_patch = [&](std::size_t k, std::size_t opposite) {

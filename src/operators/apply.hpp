@@ -51,8 +51,7 @@ Outcome apply(Site<Lock>& site, const T& operation, const typename T::Target& ta
     const auto held = vertices_of(site.mesh, target);
     const LockScope scope(site.lock);
     const std::size_t made = site.scratch.builder.tets.size();
-    const bool is_held =
-        std::all_of(held.begin(), held.end(), [&](VertexId v) { return site.lock.try_lock(v); });
+    const bool is_held = std::ranges::all_of(held, [&](VertexId v) { return site.lock.try_lock(v); });
     Outcome outcome = is_held ? operation(site, target) : Outcome::kContended;
     if (outcome == Outcome::kRejected && site.lock.contended()) outcome = Outcome::kContended;
     site.counts[T::kId].add(outcome);

@@ -19,7 +19,7 @@ constexpr int kMaxRounds = 50;
 /// where that is curved not on another side of it.
 bool absorbs(const TetMesh& mesh, const NewVertex& vertex, const Cell<3>& corners, PatchId patch,
              const PatchShapes& shapes) {
-  if (std::find(vertex.patches.begin(), vertex.patches.end(), patch) == vertex.patches.end()) return false;
+  if (std::ranges::find(vertex.patches, patch) == vertex.patches.end()) return false;
   const PatchShape& shape = shapes[patch.value];
   if (shape.freedom != PatchFreedom::kCurved) return shape.freedom == PatchFreedom::kPlane;
   constexpr double kSameSide = 0.3;
@@ -100,7 +100,7 @@ bool Cavity::take_out_lost_vertices(const TetMesh& mesh, bool& stuck) {
       if (hull_vertices_.insert(v, 0).added) hull_vertex_list_.push_back(v);
   const auto loses_one = [&](TetId t) {
     const Cell<4>& v = mesh.tet(t);
-    return std::any_of(v.begin(), v.end(), [&](std::uint32_t x) { return !hull_vertices_.contains(x); });
+    return std::ranges::any_of(v, [&](std::uint32_t x) { return !hull_vertices_.contains(x); });
   };
   bool lost = false, changed = false;
   for (std::size_t i = 0; i < tets_.size(); ++i) {
@@ -192,7 +192,7 @@ bool Cavity::is_near_patch(const TetMesh& mesh, const NewVertex& vertex, const P
                            double min_height) const {
   const MetricFrame frame(vertex.metric.metric, vertex.point);
   const auto at = [&](std::uint32_t v) { return frame(mesh.point(VertexId(v))); };
-  return std::any_of(hull_.begin(), hull_.end(), [&](const HullFace& face) {
+  return std::ranges::any_of(hull_, [&](const HullFace& face) {
     if (!face.patch.valid()) return false;
     if (height_over(at(face.corners[0]), at(face.corners[1]), at(face.corners[2])) < min_height) return true;
     const PatchShape& shape = shapes[face.patch.value];  // The face may yet be split and move inwards.

@@ -15,7 +15,7 @@ bool is_one_cycle(const std::vector<Edge>& edges) {
   std::uint32_t at = edges[0].b;
   for (; at != edges[0].a && steps < edges.size(); ++steps) {
     const auto leaves = [&](const Edge& edge) { return edge.a == at; };
-    const auto next = std::find_if(edges.begin(), edges.end(), leaves);
+    const auto next = std::ranges::find_if(edges, leaves);
     if (next == edges.end() || std::count_if(next, edges.end(), leaves) != 1) return false;
     at = next->b;
   }
@@ -32,9 +32,8 @@ bool Cavity::absorbs_disc(const NewVertex& vertex) {
     ++faces;
     for (int k = 0; k < 3; ++k) {
       const PatchEdge edge = {face.corners[(k + 1) % 3], face.corners[k], face.patch};
-      const auto twin = std::find_if(rim_.begin(), rim_.end(), [&](const PatchEdge& other) {
-        return other.a == edge.b && other.b == edge.a;
-      });
+      const auto twin = std::ranges::find_if(
+          rim_, [&](const PatchEdge& other) { return other.a == edge.b && other.b == edge.a; });
       if (twin == rim_.end()) {
         rim_.push_back(edge);
         continue;

@@ -32,8 +32,8 @@ bool keeps_to_surface(const TetMesh& mesh, VertexId from, VertexId to, const Ver
       const Surface& surface = *shapes[patch.value].surface;
       Cell<3> corners = mesh.face_corners(t, f);
       before.add(surface, mesh, corners);
-      if (std::find(corners.begin(), corners.end(), to.value) != corners.end()) continue;  // Vanishes.
-      std::replace(corners.begin(), corners.end(), from.value, to.value);
+      if (std::ranges::find(corners, to.value) != corners.end()) continue;  // Vanishes.
+      std::ranges::replace(corners, from.value, to.value);
       after.add(surface, mesh, corners);
     }
   }
@@ -43,7 +43,7 @@ bool keeps_to_surface(const TetMesh& mesh, VertexId from, VertexId to, const Ver
 /// True if the tetrahedra around the edge can vanish: not where one lies between two faces of patches, which
 /// would become one.
 bool can_vanish(const TetMesh& mesh, VertexId from, VertexId to, const EdgeRing& ring) {
-  return std::none_of(ring.tets.begin(), ring.tets.end(), [&](TetId t) {
+  return std::ranges::none_of(ring.tets, [&](TetId t) {
     return mesh.patch(t, mesh.index_of(t, from)).valid() && mesh.patch(t, mesh.index_of(t, to)).valid();
   });
 }
@@ -65,7 +65,7 @@ void close_gap(TetMesh& mesh, TetId t, int from, int to) {
 }
 
 bool contains(std::span<const std::uint32_t> all, std::uint32_t v) {
-  return std::find(all.begin(), all.end(), v) != all.end();
+  return std::ranges::find(all, v) != all.end();
 }
 
 /// The edges opposite `centre` in the faces of its tetrahedra, with both ends among `ends`; lower end first.
@@ -94,13 +94,13 @@ bool meet_only_around_edge(const TetMesh& mesh, VertexId from, VertexId to, cons
   edges_of_link(mesh, to, ball_of_to.tets, ring.rim, edges.of_to);
   std::size_t common = 0;
   for (const std::uint64_t edge : edges.of_from)
-    if (std::binary_search(edges.of_to.begin(), edges.of_to.end(), edge)) ++common;
+    if (std::ranges::binary_search(edges.of_to, edge)) ++common;
   return common == ring.tets.size();  // Each tetrahedron of the ring has one edge of its rim.
 }
 
 /// True if a face of the tetrahedra around `from` that is of a patch has the edge from there to w.
 bool has_patch_edge(const TetMesh& mesh, VertexId from, std::uint32_t w, std::span<const TetId> tets) {
-  return std::any_of(tets.begin(), tets.end(), [&](TetId t) {
+  return std::ranges::any_of(tets, [&](TetId t) {
     const int end = mesh.index_of(t, VertexId(w));
     if (end < 0) return false;
     const int own = mesh.index_of(t, from);
@@ -116,7 +116,7 @@ bool patches_meet_only_around_edge(const TetMesh& mesh, VertexId from, VertexId 
                                    const VertexBall& ball_of_from, const VertexBall& ball_of_to) {
   if (ring.patch_faces == 0) return true;
   const auto is_face_of_patch = [&](std::uint32_t w) {
-    return std::any_of(ring.tets.begin(), ring.tets.end(), [&](TetId t) {
+    return std::ranges::any_of(ring.tets, [&](TetId t) {
       for (int f = 0; f < 4 && mesh.index_of(t, VertexId(w)) >= 0; ++f)
         if (const VertexId v = mesh.vertex(t, f);
             v != from && v != to && v.value != w && mesh.patch(t, f).valid())
@@ -124,7 +124,7 @@ bool patches_meet_only_around_edge(const TetMesh& mesh, VertexId from, VertexId 
       return false;
     });
   };
-  return std::none_of(ring.rim.begin(), ring.rim.end(), [&](std::uint32_t w) {
+  return std::ranges::none_of(ring.rim, [&](std::uint32_t w) {
     return !is_face_of_patch(w) && has_patch_edge(mesh, from, w, ball_of_from.tets) &&
            has_patch_edge(mesh, to, w, ball_of_to.tets);
   });
@@ -143,9 +143,9 @@ bool makes_edge_too_long(const TetMesh& mesh, VertexId from, VertexId to, const 
         max_length * max_length)
       longest_new = std::max(longest_new, metric_length(mesh, to, VertexId(w)));
   }
-  return longest_new > max_length &&
-         std::none_of(ball.neighbours.begin(), ball.neighbours.end(),
-                      [&](std::uint32_t w) { return metric_length(mesh, from, VertexId(w)) >= longest_new; });
+  return longest_new > max_length && std::ranges::none_of(ball.neighbours, [&](std::uint32_t w) {
+           return metric_length(mesh, from, VertexId(w)) >= longest_new;
+         });
 }
 
 /// The neighbours at less than `min_length`, the nearest first; equally near ones by coordinates.
@@ -155,7 +155,7 @@ void neighbours_near(const TetMesh& mesh, VertexId v, const VertexBall& ball, do
   for (const std::uint32_t w : ball.neighbours)
     if (const double length = metric_length(mesh, v, VertexId(w)); length < min_length)
       near.push_back({VertexId(w), length});
-  std::sort(near.begin(), near.end(), [&](const NearVertex& a, const NearVertex& b) {
+  std::ranges::sort(near, [&](const NearVertex& a, const NearVertex& b) {
     if (a.length != b.length) return a.length < b.length;
     return precedes(mesh.point(a.vertex), mesh.point(b.vertex));
   });
@@ -230,8 +230,8 @@ Outcome collapse_gathered_vertex(auto& site, VertexId v, const CollapseRules& ru
       worst < rules.min_quality ? worst : std::max(rules.min_quality, rules.min_relative_quality * worst);
   if (site.subject.measure.kind == ShapeMeasure::Kind::kMeanRatio) shapes.gather(mesh, v, ball.tets);
   for (const NearVertex& to : site.scratch.near) {
-    const auto shared = std::find_if(ball.tets.begin(), ball.tets.end(),
-                                     [&](TetId x) { return mesh.index_of(x, to.vertex) >= 0; });
+    const auto shared =
+        std::ranges::find_if(ball.tets, [&](TetId x) { return mesh.index_of(x, to.vertex) >= 0; });
     if (shared == ball.tets.end()) continue;
     if (makes_edge_too_long(mesh, v, to.vertex, ball, rules.max_length)) continue;
     if (!measure_after(mesh, site.subject.measure, v, to.vertex, ball, shapes, floor, site.scratch.qualities))
@@ -286,8 +286,7 @@ Outcome Thinning::operator()(auto& site, VertexId v) const {
     const VertexId to(ball.neighbours[place]);
     if (!star.fits_at(place, floor_cubed, site.scratch.qualities)) continue;
     if (!are_positive_after(mesh, v, to, ball, site.scratch.qualities)) continue;
-    const auto shared =
-        std::find_if(ball.tets.begin(), ball.tets.end(), [&](TetId x) { return mesh.index_of(x, to) >= 0; });
+    const auto shared = std::ranges::find_if(ball.tets, [&](TetId x) { return mesh.index_of(x, to) >= 0; });
     if (!gather_ring(mesh, *shared, v, to, site.lock, site.scratch.ring)) return Outcome::kContended;
     if (!keeps_patches(mesh, v, site.scratch.ring, site.subject.shapes)) continue;
     if (!can_vanish(mesh, v, to, site.scratch.ring)) continue;

@@ -166,7 +166,7 @@ class DrawingApart {
     Vec3 move = kPart * (middle_around(tets, before) - before);
     if (!may_leave_plane) move -= normals_[v.value].dot(move) * normals_[v.value];
     mesh_.set_point(v, before + move);
-    if (!std::all_of(tets.begin(), tets.end(), [&](TetId t) { return is_positive(mesh_, t); }))
+    if (!std::ranges::all_of(tets, [&](TetId t) { return is_positive(mesh_, t); }))
       mesh_.set_point(v, before);
   }
 

@@ -12,7 +12,7 @@ namespace {
 
 /// Key of a face by its corners in any order; places below 2^21.
 std::uint64_t face_key(Cell<3> corners) {
-  std::sort(corners.begin(), corners.end());
+  std::ranges::sort(corners);
   return std::uint64_t{corners[0]} << 42 | std::uint64_t{corners[1]} << 21 | corners[2];
 }
 

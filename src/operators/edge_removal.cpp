@@ -212,7 +212,7 @@ bool may_remove(const TetMesh& mesh, const EdgeRing& ring, const PatchShapes& sh
   if (!ring.open || ring.dimension() != VertexDimension::kSurface) return false;
   const Label label = mesh.label(ring.tets[0]);
   return !is_any_frozen(ring.patches, shapes) &&
-         std::all_of(ring.tets.begin(), ring.tets.end(), [&](TetId t) { return mesh.label(t) == label; });
+         std::ranges::all_of(ring.tets, [&](TetId t) { return mesh.label(t) == label; });
 }
 
 /// True if t can be taken away with two of its faces on the outside, those without c or without d, so that

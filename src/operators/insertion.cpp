@@ -26,7 +26,7 @@ Vec3 point_on_edge(const TetMesh& mesh, VertexId a, VertexId b, double fraction)
 /// True if a vertex that stays is too near to the new one.
 bool is_encroaching(const TetMesh& mesh, const NewVertex& vertex, std::span<const std::uint32_t> around,
                     double min_length) {
-  return std::any_of(around.begin(), around.end(), [&](std::uint32_t w) {
+  return std::ranges::any_of(around, [&](std::uint32_t w) {
     const VertexId v(w);
     return mesh.dimension(v) <= vertex.dimension &&
            metric::edge_length(vertex.point, vertex.metric.metric, mesh.point(v), mesh.metric(v)) <

@@ -38,9 +38,8 @@ const std::vector<VertexId>& Kernel<Lock>::made_vertices() const {
 template <class Lock>
 bool Kernel<Lock>::try_lock(TetId t) {
   const Cell<4> v = subject_.mesh.unheld_tet(t);
-  return std::none_of(v.begin(), v.end(), [](std::uint32_t corner) { return corner == VertexId::kNone; }) &&
-         std::all_of(v.begin(), v.end(),
-                     [&](std::uint32_t corner) { return lock_.try_lock(VertexId(corner)); });
+  return std::ranges::none_of(v, [](std::uint32_t corner) { return corner == VertexId::kNone; }) &&
+         std::ranges::all_of(v, [&](std::uint32_t corner) { return lock_.try_lock(VertexId(corner)); });
 }
 
 template class Kernel<NoLock>;

@@ -36,7 +36,7 @@ namespace lumesh::operators {
 /// For lists of a few.
 template <class Item>
 void add_once(std::vector<Item>& items, const Item& item) {
-  if (std::find(items.begin(), items.end(), item) == items.end()) items.push_back(item);
+  if (std::ranges::find(items, item) == items.end()) items.push_back(item);
 }
 
 /// The tetrahedra around edge (a, b) in the order of rotation: tets[k] is (a, b, rim[k], rim[k + 1]),
@@ -170,8 +170,7 @@ Joined are_joined(const TetMesh& mesh, VertexId a, VertexId b, Lock& lock, Verte
   if (mesh.dimension(a) == VertexDimension::kVolume || mesh.dimension(b) == VertexDimension::kVolume)
     return Joined::kNo;
   if (!gather_ball(mesh, a, lock, ball)) return Joined::kNotLocked;
-  const bool found =
-      std::find(ball.neighbours.begin(), ball.neighbours.end(), b.value) != ball.neighbours.end();
+  const bool found = std::ranges::find(ball.neighbours, b.value) != ball.neighbours.end();
   return found ? Joined::kYes : Joined::kNo;
 }
 

@@ -119,7 +119,7 @@ void OrderedExecution::for_each_by_priority(const std::vector<std::uint32_t>& it
   auto lists = lists_by_bucket(picked, [&](const PrioritisedItem& one) { return bucket_of(one.item); });
   parallel::for_each_index(partition_.buckets, 1, [&](std::size_t bucket) {
     const auto list = lists.of(static_cast<std::uint32_t>(bucket));
-    std::stable_sort(list.begin(), list.end(), has_higher_priority);
+    std::ranges::stable_sort(list, has_higher_priority);
   });
   const std::uint32_t first_stamp = 2 * next_run_;
   const std::vector<Made> made = run_buckets(

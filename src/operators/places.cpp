@@ -54,8 +54,7 @@ class Votes {
     return of_pairs_.empty() ? std::nullopt : std::optional(of_pairs_.front().pair);
   }
   void add(const Pair& pair) {
-    auto found =
-        std::find_if(of_pairs_.begin(), of_pairs_.end(), [&](const Vote& v) { return v.pair == pair; });
+    auto found = std::ranges::find_if(of_pairs_, [&](const Vote& v) { return v.pair == pair; });
     if (found == of_pairs_.end()) found = of_pairs_.insert(found, {pair, 0});
     ++found->faces;
     ++faces_;

@@ -181,7 +181,7 @@ class Settling {
         free_.push_back(rim.vertex);
       }
     // What is between two faces of the wall is no edge of its rim.
-    std::sort(edges.begin(), edges.end());
+    std::ranges::sort(edges);
     for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
       for (next = i + 1; next < edges.size() && edges[next] == edges[i];) ++next;
       if (next == i + 1) rim_edges_.push_back(edges[i]);
@@ -223,8 +223,7 @@ class Settling {
   /// The mean distance of a triangle from the surface over it.
   [[nodiscard]] ValueOnArea facet_of(std::size_t i) const {
     const Cell<3>& corners = faces_.triangles[i];
-    if (std::none_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_free_in(v, i); }))
-      return {};
+    if (std::ranges::none_of(corners, [&](std::uint32_t v) { return is_free_in(v, i); })) return {};
     std::array<SurfacePoint, 3> at;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = corners[k];
@@ -419,7 +418,7 @@ class Settling {
   void find_touched() {
     if (!touched_tets_.empty()) return;
     const auto has_free = [&](const auto& corners) {
-      return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return is_free(v); });
+      return std::ranges::any_of(corners, [&](std::uint32_t v) { return is_free(v); });
     };
     touched_tets_ =
         parallel::collect<std::uint32_t>(tets_.size(), [&](std::size_t t, std::vector<std::uint32_t>& out) {
@@ -445,7 +444,7 @@ class Settling {
   }
   template <std::size_t N>
   [[nodiscard]] bool has_changed(const Cell<N>& corners) const {
-    return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return changed_[v] != 0; });
+    return std::ranges::any_of(corners, [&](std::uint32_t v) { return changed_[v] != 0; });
   }
   [[nodiscard]] bool may_stay(std::uint32_t t) const {
     std::array<Vec3, 4> before, after;
@@ -465,7 +464,7 @@ class Settling {
     const auto leans = [&](std::uint32_t v, const Vec3& normal) {
       return is_free_in(v, face) ? 1 - std::abs(normal.dot(places_[v].normal)) : 0;
     };
-    return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
+    return std::ranges::all_of(corners, [&](std::uint32_t v) {
       return leans(v, after) <= 1 - kMinFacing || leans(v, after) <= leans(v, normal_in(start_)) + kHardly;
     });
   }

@@ -79,7 +79,7 @@ bool keeps_to_surface_at(const TetMesh& mesh, VertexId v, const Vec3& to, const 
       const PatchId patch = mesh.patch(t, f);
       if (!patch.valid() || shapes[patch.value].freedom != PatchFreedom::kCurved) continue;
       const Cell<3> corners = mesh.face_corners(t, f);
-      if (std::find(corners.begin(), corners.end(), v.value) == corners.end()) continue;
+      if (std::ranges::find(corners, v.value) == corners.end()) continue;
       const Surface& surface = *shapes[patch.value].surface;
       before.add(surface, mesh, corners);
       const auto corner = [&](int k) {

@@ -28,7 +28,7 @@ bool is_linked(const TetMesh& mesh, TetId t, int face) {
 }  // namespace
 
 bool are_sound(const TetMesh& mesh, std::span<const TetId> tets) {
-  return std::all_of(tets.begin(), tets.end(), [&](TetId t) {
+  return std::ranges::all_of(tets, [&](TetId t) {
     bool is_sound = true;
     for (int i = 0; mesh.alive(t) && is_sound && i < 4; ++i)
       is_sound = has_sound_vertex(mesh, t, i) && is_linked(mesh, t, i);

@@ -64,7 +64,7 @@ void SpeculativeExecution::for_each_by_priority(std::size_t slots, const Priorit
   parallel::for_each_block(picked.size(), speculative_bucket_size(picked.size()),
                            [&](std::size_t /*bucket*/, std::size_t begin, std::size_t end) {
                              const std::span bucket = std::span(picked).subspan(begin, end - begin);
-                             std::stable_sort(bucket.begin(), bucket.end(), has_higher_priority);
+                             std::ranges::stable_sort(bucket, has_higher_priority);
                            });
   ++epoch_;
   ++stamp_;

@@ -50,13 +50,13 @@ const MeshCurve* curve_between(PatchId one, PatchId other, const PatchShapes& sh
 }  // namespace
 
 bool is_any_frozen(std::span<const PatchId> patches, const PatchShapes& shapes) {
-  return std::any_of(patches.begin(), patches.end(),
-                     [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kFrozen; });
+  return std::ranges::any_of(
+      patches, [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kFrozen; });
 }
 
 bool is_any_curved(std::span<const PatchId> patches, const PatchShapes& shapes) {
-  return std::any_of(patches.begin(), patches.end(),
-                     [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kCurved; });
+  return std::ranges::any_of(
+      patches, [&](PatchId patch) { return shapes[patch.value].freedom == PatchFreedom::kCurved; });
 }
 
 std::optional<Vec3> place_on_patches(const Vec3& point, std::span<const PatchId> patches,

@@ -194,8 +194,8 @@ std::vector<CurveEdge> curve_edges(const BoundaryFaces& faces) {
     const auto [low, high] = std::minmax({patch_of(edge[0]), patch_of(edge[1])});
     if (low != high) edges.push_back({edge[0].low, edge[0].high, {low, high}});
   });
-  std::stable_sort(edges.begin(), edges.end(),
-                   [](const CurveEdge& x, const CurveEdge& y) { return x.patches < y.patches; });
+  std::ranges::stable_sort(edges,
+                           [](const CurveEdge& x, const CurveEdge& y) { return x.patches < y.patches; });
   return edges;
 }
 

@@ -9,7 +9,7 @@ bool has_changed_since_trial(const TetMesh& mesh, TetId t, int min_vertices) {
   const std::uint32_t trial = mesh.trial_epoch(t);
   const Cell<4>& v = mesh.tet(t);
   // What changed in the epoch of the trial may have changed after it.
-  return trial == 0 || std::count_if(v.begin(), v.end(), [&](std::uint32_t w) {
+  return trial == 0 || std::ranges::count_if(v, [&](std::uint32_t w) {
                          return mesh.change_epoch(VertexId(w)) >= trial;
                        }) >= min_vertices;
 }

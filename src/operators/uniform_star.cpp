@@ -59,7 +59,7 @@ bool UniformStar::fits_at(std::uint32_t place, double floor_cubed, std::vector<f
   const Vec3& p = neighbours_[place].at;
   qualities.clear();
   for (const Face& face : faces_) {
-    if (std::find(face.corners.begin(), face.corners.end(), place) != face.corners.end()) {
+    if (std::ranges::find(face.corners, place) != face.corners.end()) {
       qualities.push_back(-1);
       continue;
     }

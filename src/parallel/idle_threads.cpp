@@ -20,8 +20,7 @@ IdleThreads::IdleThreads(const Team& team, int threads)
     const auto distance = [&](int other) {
       return static_cast<std::size_t>(other) == n ? 0 : team.topology().distance(static_cast<int>(n), other);
     };
-    std::stable_sort(node.by_distance.begin(), node.by_distance.end(),
-                     [&](int a, int b) { return distance(a) < distance(b); });
+    std::ranges::stable_sort(node.by_distance, [&](int a, int b) { return distance(a) < distance(b); });
   }
 }
 
@@ -42,7 +41,7 @@ void IdleThreads::remove(int thread) {
 
 int IdleThreads::lowest_of(int node) const {
   const std::vector<std::uint64_t>& masks = nodes_[static_cast<std::size_t>(node)].masks;
-  const auto word = std::find_if(masks.begin(), masks.end(), [](std::uint64_t mask) { return mask != 0; });
+  const auto word = std::ranges::find_if(masks, [](std::uint64_t mask) { return mask != 0; });
   return static_cast<int>(word - masks.begin()) * kBits + std::countr_zero(*word);
 }
 

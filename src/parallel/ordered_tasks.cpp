@@ -56,8 +56,8 @@ TaskOrder order_of(const TaskGraph& conflicts) {
   for_each_index(conflicts.size(), [&](std::size_t i) {
     const auto task = static_cast<std::uint32_t>(i);
     const auto others = conflicts.of(task);
-    order.waits_for[i] = static_cast<std::uint32_t>(std::count_if(
-        others.begin(), others.end(), [&](std::uint32_t other) { return order.precedes(other, task); }));
+    order.waits_for[i] = static_cast<std::uint32_t>(
+        std::ranges::count_if(others, [&](std::uint32_t other) { return order.precedes(other, task); }));
   });
   return order;
 }

@@ -45,7 +45,7 @@ Nodes nodes_with_processors(hwloc_topology_t machine) {
     const int number = processor->nodeset != nullptr ? hwloc_bitmap_first(processor->nodeset) : -1;
     const hwloc_obj_t node =
         number < 0 ? nullptr : hwloc_get_numanode_obj_by_os_index(machine, static_cast<unsigned>(number));
-    const auto place = std::find(found.nodes.begin(), found.nodes.end(), node);
+    const auto place = std::ranges::find(found.nodes, node);
     found.of_processor.push_back(static_cast<int>(place - found.nodes.begin()));
     if (place == found.nodes.end()) found.nodes.push_back(node);
   }

@@ -192,7 +192,7 @@ void check_output(const Case& c) {
     const std::filesystem::path path = name;
     if (path.has_parent_path())
       refuse(fmt::format("[output] {} must be a name without folders; all go to [output] folder", name));
-    if (std::count(names.begin(), names.end(), name) > 1)
+    if (std::ranges::count(names, name) > 1)
       refuse(fmt::format("[output] {} is named for two files; give each its own name", name));
   }
 }

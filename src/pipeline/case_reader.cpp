@@ -88,7 +88,7 @@ class CaseReader {
         refuse(node.source(), fmt::format("{} is a section; write [{}] in a line of its own", name, name));
       if (section != sections.end())
         refuse_unknown_in(*section, *node.as_table());
-      else if (std::find(first_words.begin(), first_words.end(), name) == first_words.end())
+      else if (std::ranges::find(first_words, name) == first_words.end())
         refuse(word.source(), unknown(node.is_table() ? "section" : "key", name, first_words, ""));
     }
   }
@@ -99,7 +99,7 @@ class CaseReader {
       known.insert(known.end(), key.aliases.begin(), key.aliases.end());
     }
     for (const auto& [word, node] : table)
-      if (std::find(known.begin(), known.end(), word.str()) == known.end())
+      if (std::ranges::find(known, word.str()) == known.end())
         refuse(word.source(),
                unknown("key", std::string(word.str()), known, fmt::format(" in [{}]", section.name)));
     for (const Option& key : section.options.all())
@@ -238,8 +238,7 @@ class CaseReader {
   }
   void set(const Key& key, const toml::node& node, const OptionPath& file) const {
     *file.path = text_of(key, node);
-    if (file.path->empty() || std::find(file.words.begin(), file.words.end(), *file.path) != file.words.end())
-      return;
+    if (file.path->empty() || std::ranges::find(file.words, *file.path) != file.words.end()) return;
     *file.path = std::filesystem::absolute(folder_ / *file.path).lexically_normal().string();
   }
 

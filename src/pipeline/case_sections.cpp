@@ -104,7 +104,7 @@ namespace pipeline {
 std::string key_called(std::string_view option, const std::vector<std::string>& sections) {
   Case any;
   const std::vector<CaseSection> all = sections_of(any);
-  const auto rank = [&](const CaseSection& s) { return std::find(sections.begin(), sections.end(), s.name); };
+  const auto rank = [&](const CaseSection& s) { return std::ranges::find(sections, s.name); };
   const CaseSection* best = nullptr;
   std::string name;
   for (const CaseSection& section : all)
@@ -123,7 +123,7 @@ std::vector<CaseFileRead> files_read_by(const Case& c) {
     for (const Option& key : section.options.all()) {
       const auto* const file = std::get_if<OptionPath>(&key.target);
       if (file == nullptr || file->path == &copy.output.folder || file->path->empty() ||
-          std::find(file->words.begin(), file->words.end(), *file->path) != file->words.end())
+          std::ranges::find(file->words, *file->path) != file->words.end())
         continue;
       const bool is_plugin = file->path == &copy.delaunay.sizes.plugin;
       files.push_back({fmt::format("[{}] {}", section.name, key.name),

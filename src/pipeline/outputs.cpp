@@ -117,8 +117,8 @@ std::filesystem::path folder_of(const Case& c) {
 
 bool has_results(const Case& c) {
   const std::vector<std::string> names = names_of_files(c);
-  return std::any_of(names.begin(), names.end(),
-                     [&](const std::string& name) { return std::filesystem::exists(folder_of(c) / name); });
+  return std::ranges::any_of(
+      names, [&](const std::string& name) { return std::filesystem::exists(folder_of(c) / name); });
 }
 
 std::filesystem::path folder_of_results(const CaseState& state) {

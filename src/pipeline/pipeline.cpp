@@ -181,8 +181,8 @@ class CaseRun {
   void add_steps(report::StageReport& report, std::size_t first) const {
     const std::vector<PhaseTime>& phases = state_.context.phases();
     for (std::size_t i = first; i < phases.size(); ++i) {
-      const auto same = std::find_if(report.steps.begin(), report.steps.end(),
-                                     [&](const PhaseTime& step) { return step.name == phases[i].name; });
+      const auto same = std::ranges::find_if(
+          report.steps, [&](const PhaseTime& step) { return step.name == phases[i].name; });
       if (same == report.steps.end())
         report.steps.push_back(phases[i]);
       else

@@ -22,8 +22,7 @@ std::vector<std::string> patches_of_surface(const Domain& domain) {
   for (Material inside = 1; inside < domain.material_count(); ++inside)
     for (Material outside = 0; outside < domain.material_count(); ++outside) {
       const std::optional<Patch> patch = domain.patch_between(inside, outside);
-      if (patch && std::find(names.begin(), names.end(), patch->name) == names.end())
-        names.push_back(patch->name);
+      if (patch && std::ranges::find(names, patch->name) == names.end()) names.push_back(patch->name);
     }
   return names.empty() ? std::vector<std::string>{"wall"} : names;
 }
@@ -46,8 +45,7 @@ void check_patches(CaseState& state) {
       state.given.image ? patches_of_image(*state.given.image) : patches_of_surface(state.given.domain());
   for (const std::string& name : state.c.layers.options.patches) {
     // How many openings there are only the mesh tells.
-    if ((state.given.image && is_opening_name(name)) ||
-        std::find(possible.begin(), possible.end(), name) != possible.end())
+    if ((state.given.image && is_opening_name(name)) || std::ranges::find(possible, name) != possible.end())
       continue;
     std::string known;
     for (const std::string& one : possible) known += " " + one;
@@ -67,7 +65,7 @@ Label label_grown_into(const CaseState& state) {
     if (into == std::to_string(label)) return label;
   if (state.given.image)
     for (const auto& [label, name] : state.given.image->label_names())
-      if (into == name && std::find(labels.begin(), labels.end(), label) != labels.end()) return label;
+      if (into == name && std::ranges::find(labels, label) != labels.end()) return label;
   throw Error(ErrorKind::kBadInput, fmt::format("[layers] into: there will be no label {}; there will be: {}",
                                                 into, fmt::join(labels, ", ")));
 }

@@ -11,10 +11,9 @@ namespace {
 /// After the patches themselves, where these took the names.
 void rename_coverages(std::span<const PatchRenaming> renamings, const MeshInfo& info, LayerReport& report) {
   for (LayerCoverage& coverage : report.patches) {
-    const auto of_patch =
-        std::find_if(renamings.begin(), renamings.end(), [&](const PatchRenaming& renaming) {
-          return renaming.patch == coverage.patch && has_patch_called(info.patches, renaming.name);
-        });
+    const auto of_patch = std::ranges::find_if(renamings, [&](const PatchRenaming& renaming) {
+      return renaming.patch == coverage.patch && has_patch_called(info.patches, renaming.name);
+    });
     if (of_patch != renamings.end()) coverage.patch = of_patch->name;
   }
 }

@@ -13,7 +13,7 @@ using image::RunImage;
 
 /// Sorts runs and joins those that overlap or touch; labels are dropped.
 void join_runs(std::vector<Run>& runs) {
-  std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.begin < b.begin; });
+  std::ranges::sort(runs, [](const Run& a, const Run& b) { return a.begin < b.begin; });
   std::size_t last = 0;
   for (std::size_t r = 1; r < runs.size(); ++r) {
     if (runs[r].begin <= runs[last].end)

@@ -46,7 +46,7 @@ bool is_inside_wall(std::span<const Corner> corners) {
     if (corner.opening != 0) return false;
     neighbours.insert(neighbours.end(), {corner.next, corner.last});
   }
-  std::sort(neighbours.begin(), neighbours.end());
+  std::ranges::sort(neighbours);
   bool all_twice = !neighbours.empty();
   parallel::for_each_run(neighbours, std::equal_to<>(), [&](std::span<const std::uint32_t> run) {
     all_twice = all_twice && run.size() == 2;

@@ -187,8 +187,8 @@ void add_sections(const MeshView& mesh, const MeshSurface& surface, const Evalua
 void add_openings(const MeshView& mesh, const EvaluationInput& input, Evaluation& evaluation,
                   Context& context) {
   const auto& patches = mesh.info->patches;
-  const bool has_any = std::any_of(patches.begin(), patches.end(),
-                                   [](const Patch& patch) { return patch.kind == PatchKind::kOpening; });
+  const bool has_any =
+      std::ranges::any_of(patches, [](const Patch& patch) { return patch.kind == PatchKind::kOpening; });
   // A mesh of another program may not say which patches are openings.
   if (!has_any && (patches.empty() || mesh.info->provenance.empty())) return;
   evaluation.openings = context.phase("openings", [&] {

@@ -62,8 +62,7 @@ class Faults {
  private:
   /// What follows needs numbers.
   bool look_at_points() {
-    const auto bad =
-        std::find_if(mesh_.points.begin(), mesh_.points.end(), [](const Vec3& x) { return !is_place(x); });
+    const auto bad = std::ranges::find_if(mesh_.points, [](const Vec3& x) { return !is_place(x); });
     if (bad == mesh_.points.end()) return true;
     const auto number = bad - mesh_.points.begin();
     faults_.push_back({bad->allFinite()

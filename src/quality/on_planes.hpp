@@ -21,14 +21,13 @@ class CutPlanes {
   [[nodiscard]] bool none() const { return planes_.empty(); }
   /// True if the point was cut off.
   [[nodiscard]] bool beyond(const Vec3& p) const {
-    return std::any_of(planes_.begin(), planes_.end(),
-                       [&](const CutPlane& plane) { return plane.beyond_mm(p) > 0; });
+    return std::ranges::any_of(planes_, [&](const CutPlane& plane) { return plane.beyond_mm(p) > 0; });
   }
   /// True if all of the points lie on the same plane, as the corners of a cap do.
   [[nodiscard]] bool contain(std::initializer_list<Vec3> points) const {
-    return std::any_of(planes_.begin(), planes_.end(), [&](const CutPlane& plane) {
-      return std::all_of(points.begin(), points.end(),
-                         [&](const Vec3& p) { return std::abs(plane.beyond_mm(p)) < tolerance_mm_; });
+    return std::ranges::any_of(planes_, [&](const CutPlane& plane) {
+      return std::ranges::all_of(points,
+                                 [&](const Vec3& p) { return std::abs(plane.beyond_mm(p)) < tolerance_mm_; });
     });
   }
 

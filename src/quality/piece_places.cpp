@@ -38,8 +38,7 @@ std::vector<Meeting> find_meetings(std::vector<std::uint32_t>& owner, std::vecto
       });
     front.swap(next);
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Meeting& a, const Meeting& b) { return a.hops < b.hops; });
+  std::ranges::stable_sort(candidates, [](const Meeting& a, const Meeting& b) { return a.hops < b.hops; });
   std::map<std::uint32_t, std::uint32_t> number;
   for (const Meeting& m : candidates)
     for (const std::uint32_t part : m.parts) number.emplace(part, static_cast<std::uint32_t>(number.size()));

@@ -16,16 +16,13 @@ VoxelPieces::VoxelPieces(const LabelImage& image)
 }
 
 std::size_t VoxelPieces::run_of(std::size_t number) const {
-  return static_cast<std::size_t>(std::upper_bound(numbers_.begin(), numbers_.end(), number) -
-                                  numbers_.begin()) -
-         1;
+  return static_cast<std::size_t>(std::ranges::upper_bound(numbers_, number) - numbers_.begin()) - 1;
 }
 
 Index3 VoxelPieces::place_of(std::size_t number) const {
   const std::size_t run = run_of(number);
   const auto row = static_cast<std::size_t>(
-      std::upper_bound(runs_.first.begin(), runs_.first.end(), static_cast<std::uint32_t>(run)) -
-      runs_.first.begin() - 1);
+      std::ranges::upper_bound(runs_.first, static_cast<std::uint32_t>(run)) - runs_.first.begin() - 1);
   Index3 place = grid_row(runs_.size, row);
   place.x() = runs_.runs[run].begin + static_cast<int>(number - numbers_[run]);
   return place;
@@ -46,8 +43,8 @@ CellPieces find_cell_pieces(const MeshView& mesh, std::span<const TopologyDiffer
   std::vector<char> is_asked(cells.size());
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
     const Label label = cells.label(cell);
-    is_asked[cell] = std::any_of(differences.begin(), differences.end(),
-                                 [&](const TopologyDifference& d) { return d.label == label; });
+    is_asked[cell] =
+        std::ranges::any_of(differences, [&](const TopologyDifference& d) { return d.label == label; });
   }
   std::vector<std::array<std::uint32_t, 2>> pairs;
   const parallel::KeyTable<CellFace> faces = collect_faces(mesh);

@@ -50,7 +50,7 @@ struct Tally {
 };
 
 void count_angles(TetrahedronStatistics& s, const std::array<double, 6>& angles, std::uint32_t index) {
-  const auto [smallest, largest] = std::minmax_element(angles.begin(), angles.end());
+  const auto [smallest, largest] = std::ranges::minmax_element(angles);
   for (const double angle : angles) s.dihedral_deg.add(angle);
   s.mean_smallest_dihedral_deg += *smallest;
   lower(s.smallest_dihedral_deg, *smallest, index);

@@ -78,7 +78,7 @@ struct Loops {
 };
 
 Loops chain(std::vector<Segment> segments) {
-  std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) {
+  std::ranges::sort(segments, [](const Segment& a, const Segment& b) {
     return a.from != b.from ? a.from < b.from : a.to < b.to;
   });
   const auto next_of = [&](std::uint64_t edge) {
@@ -148,9 +148,8 @@ SurfaceSections::SurfaceSections(std::span<const Vec3> points, std::vector<Cell<
 bool SurfaceSection::is_nearest_to(const PlanePoint& p) const {
   if (others.empty() || surrounds(outline, p)) return true;
   const double distance = distance_to(outline, p);
-  return std::none_of(others.begin(), others.end(), [&](const Outline& other) {
-    return surrounds(other, p) || distance_to(other, p) < distance;
-  });
+  return std::ranges::none_of(
+      others, [&](const Outline& other) { return surrounds(other, p) || distance_to(other, p) < distance; });
 }
 
 SurfaceSection SurfaceSections::at(const SectionPlane& plane, double limit_mm, double tolerance_mm) const {

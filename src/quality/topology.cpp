@@ -43,8 +43,8 @@ class SurfaceWalk {
     number_components();
     count_vertices();
     for (std::size_t c = 0; c < result_.components.size(); ++c) finish(c);
-    std::stable_sort(result_.components.begin(), result_.components.end(),
-                     [](const auto& a, const auto& b) { return a.area_mm2 > b.area_mm2; });
+    std::ranges::stable_sort(result_.components,
+                             [](const auto& a, const auto& b) { return a.area_mm2 > b.area_mm2; });
     return std::move(result_);
   }
 

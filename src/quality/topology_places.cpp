@@ -40,8 +40,8 @@ std::vector<TopologyPlace> find_topology_places(const MeshView& mesh, const Labe
     const std::vector<TopologyPlace> more = find_warping_places(mesh, image, difference);
     places.insert(places.end(), more.begin(), more.end());
   }
-  std::stable_sort(places.begin(), places.end(),
-                   [](const TopologyPlace& a, const TopologyPlace& b) { return a.label < b.label; });
+  std::ranges::stable_sort(places,
+                           [](const TopologyPlace& a, const TopologyPlace& b) { return a.label < b.label; });
   return places;
 }
 

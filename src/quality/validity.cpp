@@ -42,8 +42,8 @@ void find_cell_problems(const MeshView& mesh, const TetMesh* kernel, const MeshS
 void find_problems(const MeshView& mesh, const TetMesh* kernel, const MeshSurface& surface,
                    Evaluation& evaluation) {
   find_cell_problems(mesh, kernel, surface, evaluation);
-  const auto far = std::count_if(mesh.points.begin(), mesh.points.end(),
-                                 [](const Vec3& x) { return x.allFinite() && !is_place(x); });
+  const auto far =
+      std::ranges::count_if(mesh.points, [](const Vec3& x) { return x.allFinite() && !is_place(x); });
   add_problem(evaluation, static_cast<std::uint64_t>(far),
               fmt::format("points beyond {:g}, where volumes and angles are hardly numbers", kFarthest));
 }

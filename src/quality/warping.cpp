@@ -340,10 +340,9 @@ class Warping {
       const Index3 voxel = (p.cast<double>() / n_).array().floor().cast<int>();
       box.add(voxel, voxel + Index3::Ones());
     }
-    const Index3 nearest = *std::min_element(
-        cluster.points.begin(), cluster.points.end(), [&](const Index3& a, const Index3& b) {
-          return (a.cast<double>() - mean).squaredNorm() < (b.cast<double>() - mean).squaredNorm();
-        });
+    const Index3 nearest = *std::ranges::min_element(cluster.points, [&](const Index3& a, const Index3& b) {
+      return (a.cast<double>() - mean).squaredNorm() < (b.cast<double>() - mean).squaredNorm();
+    });
     TopologyPlace place{.label = difference_.label,
                         .change = cluster.is_filled ? TopologyChange::kFilled : TopologyChange::kCut,
                         .box = box};

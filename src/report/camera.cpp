@@ -50,7 +50,7 @@ double covered_area(const Camera& camera, std::span<const Vec3> points, double c
     const auto row = static_cast<std::size_t>((p.dot(camera.up) - extent.low.y()) / cell);
     covered[std::min(row, rows - 1) * columns + std::min(column, columns - 1)] = 1;
   }
-  return static_cast<double>(std::count(covered.begin(), covered.end(), 1));
+  return static_cast<double>(std::ranges::count(covered, 1));
 }
 
 }  // namespace

@@ -370,7 +370,7 @@ std::string words_html(const CaseReport& report) {
       "The angle between two faces of a tetrahedron; 70.5° in a regular one. Angles close to "
       "0° or 180° belong to flat elements, which spoil a computation.");
   add("Mean ratio", "Quality of a tetrahedron: 1 if it is regular, 0 if it is flat.");
-  if (std::any_of(report.stages.begin(), report.stages.end(), has_metric)) {
+  if (std::ranges::any_of(report.stages, has_metric)) {
     add("Metric",
         "The size and shape wanted of the elements at every place. They may be long along the vessel "
         "and thin across its wall, where the flow changes fast; seen through the metric, such an "
@@ -379,7 +379,7 @@ std::string words_html(const CaseReport& report) {
         "Edges with a length from 0.71 to 1.41 in the metric. Splitting a longer "
         "or joining a shorter one would not bring it closer to 1.");
   }
-  if (std::any_of(report.stages.begin(), report.stages.end(), [](const StageReport& s) { return s.layers; }))
+  if (std::ranges::any_of(report.stages, [](const StageReport& s) { return s.layers.has_value(); }))
     add("Boundary layers",
         "Layers of thin cells along the wall, for the wall itself or for the flow next to it, which changes "
         "fastest across. The core is the rest of the mesh.");

@@ -86,9 +86,8 @@ std::vector<Mark> marks_of(std::span<const Vec3> places, const Camera& camera, d
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!in_view(camera, places.subspan(i, 1))) continue;
     const auto at = camera.project(places[i]);
-    const auto near = std::find_if(marks.begin(), marks.end(), [&](const Mark& mark) {
-      return std::hypot(mark.at[0] - at[0], mark.at[1] - at[1]) < radius;
-    });
+    const auto near = std::ranges::find_if(
+        marks, [&](const Mark& mark) { return std::hypot(mark.at[0] - at[0], mark.at[1] - at[1]) < radius; });
     if (near != marks.end())
       near->places.push_back(i + 1);
     else
@@ -103,8 +102,8 @@ PictureLabels numbers_of(const std::vector<Mark>& marks, const Camera& camera, c
   for (const Mark& mark : marks) named.push_back({mark.name(), mark.first_mm, Vec3::Zero()});
   PictureLabels labels = place_names(named, camera, picture, {}, letter_of_half(camera));
   for (PictureLabel& label : labels.labels) {
-    const Mark& mark = *std::find_if(marks.begin(), marks.end(),
-                                     [&](const Mark& other) { return other.name() == label.text; });
+    const Mark& mark =
+        *std::ranges::find_if(marks, [&](const Mark& other) { return other.name() == label.text; });
     const double x = label.from[0] - mark.at[0], y = label.from[1] - mark.at[1];
     const double share = std::min(0.7, 1.3 * ring_radius(camera) / std::max(std::hypot(x, y), 1e-9));
     label.at = {mark.at[0] + share * x, mark.at[1] + share * y};
@@ -116,12 +115,12 @@ PictureLabels numbers_of(const std::vector<Mark>& marks, const Camera& camera, c
 /// Meanings of the colours that are in a picture.
 std::vector<LegendItem> legend_of(const Shape& shape) {
   const auto has_face = [&](const Colour& colour) {
-    return std::any_of(shape.faces.begin(), shape.faces.end(),
-                       [&](const ShapeFace& face) { return face.colour.css() == colour.css(); });
+    return std::ranges::any_of(shape.faces,
+                               [&](const ShapeFace& face) { return face.colour.css() == colour.css(); });
   };
   const auto has_line = [&](const Colour& colour) {
-    return std::any_of(shape.lines.begin(), shape.lines.end(),
-                       [&](const ShapeLine& line) { return line.colour.css() == colour.css(); });
+    return std::ranges::any_of(shape.lines,
+                               [&](const ShapeLine& line) { return line.colour.css() == colour.css(); });
   };
   std::vector<LegendItem> legend;
   if (has_face(kAtPlaceColour)) legend.push_back({"at the place", kAtPlaceColour});
@@ -161,8 +160,7 @@ class Overviews {
     std::array<std::ptrdiff_t, 2> seen = {0, 0};
     for (std::size_t side = 0; side < 2; ++side) {
       marks[side] = marks_of(places, sides_[side].camera, depth_mm_, triangles(side));
-      seen[side] = std::count_if(marks[side].begin(), marks[side].end(),
-                                 [](const Mark& mark) { return !mark.is_hidden; });
+      seen[side] = std::ranges::count_if(marks[side], [](const Mark& mark) { return !mark.is_hidden; });
       if (seen[side] == static_cast<std::ptrdiff_t>(places.size())) break;
     }
     const std::size_t side = seen[1] > seen[0] ? 1 : 0;
@@ -271,14 +269,14 @@ Look look_at(const Surrounded& at, const Vec3& usual) {
       const Camera camera = look_from(22.5 * step + 8, elevation);
       const double score = outward.dot(camera.toward) + 0.3 * usual.dot(camera.toward);
       all.push_back({score, camera});
-      const bool sees = std::none_of(at.part.faces.begin(), at.part.faces.end(), [&](const ShapeFace& face) {
+      const bool sees = std::ranges::none_of(at.part.faces, [&](const ShapeFace& face) {
         return distance_along(face, at.place, camera.toward) > at.blind_mm;
       });
       if (sees) seeing.push_back(all.back());
     }
   const auto is_better = [](const Candidate& a, const Candidate& b) { return a.score > b.score; };
-  std::stable_sort(all.begin(), all.end(), is_better);
-  std::stable_sort(seeing.begin(), seeing.end(), is_better);
+  std::ranges::stable_sort(all, is_better);
+  std::ranges::stable_sort(seeing, is_better);
   for (const Candidate& candidate : seeing)
     if (!is_within(at.whole, at.place, candidate.camera.toward, at.blind_whole_mm))
       return {candidate.camera, true};
@@ -381,7 +379,7 @@ Index3 section_axis(const LabelImage& image, const Index3& voxel, double reach_m
       }
     });
   }
-  const auto axis = std::max_element(outline.begin(), outline.end()) - outline.begin();
+  const auto axis = std::ranges::max_element(outline) - outline.begin();
   Index3 result = Index3::Zero();
   result[axis] = frame.direction.col(axis).dot(usual) < 0 ? -1 : 1;
   return result;
@@ -429,7 +427,7 @@ CheckPictures draw_all(const Shape& shape, double depth_mm, std::span<const Find
                        const std::function<CloseUp(const Finding&, const Vec3&)>& close_up) {
   CheckPictures pictures;
   pictures.of_findings.resize(findings.size());
-  const bool is_finite = std::all_of(shape.faces.begin(), shape.faces.end(), [](const ShapeFace& face) {
+  const bool is_finite = std::ranges::all_of(shape.faces, [](const ShapeFace& face) {
     return (face.corners[0] + face.corners[1] + face.corners[2]).allFinite();
   });
   if (shape.faces.empty() || !is_finite) return pictures;

@@ -43,7 +43,7 @@ template <std::size_t N, std::size_t Edges>
   Vec3 middle = Vec3::Zero();
   for (const Vec3& p : section) middle += p / static_cast<double>(section.size());
   const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
-  std::sort(section.begin(), section.end(), [&](const Vec3& a, const Vec3& b) {
+  std::ranges::sort(section, [&](const Vec3& a, const Vec3& b) {
     return std::atan2(v.dot(a - middle), u.dot(a - middle)) <
            std::atan2(v.dot(b - middle), u.dot(b - middle));
   });

@@ -152,7 +152,7 @@ std::string distances_section(const Evaluation& e) {
     add_distances(table, e.labels.size() > 1 ? "outside" : "surface", *e.image->distances,
                   e.image->voxel_size_mm);
   const auto measured =
-      std::count_if(e.labels.begin(), e.labels.end(), [](const auto& l) { return l.distances.has_value(); });
+      std::ranges::count_if(e.labels, [](const auto& l) { return l.distances.has_value(); });
   if (measured > 1)
     for (const LabelEvaluation& l : e.labels)
       if (l.distances && table.size() < kMaxRows)
@@ -205,8 +205,8 @@ std::string openings_section(const Evaluation& e) {
 std::string narrowest_section(const Evaluation& e) {
   if (!e.sections || e.sections->empty()) return "";
   std::vector<NarrowestSection> sections = *e.sections;
-  std::stable_sort(sections.begin(), sections.end(),
-                   [](const auto& a, const auto& b) { return a.change_percent() < b.change_percent(); });
+  std::ranges::stable_sort(
+      sections, [](const auto& a, const auto& b) { return a.change_percent() < b.change_percent(); });
   Table table = {{"branch", "mesh mm²", "voxels mm²", "change", "at mm", "direction"}};
   for (const NarrowestSection& s : sections) {
     if (table.size() > kMaxRows) break;

@@ -19,7 +19,7 @@ std::uint64_t used_points(const MeshView& mesh) {
     cells.visit(c, [&](const auto& corners, Label) {
       for (const std::uint32_t v : corners) used[v] = 1;
     });
-  return static_cast<std::uint64_t>(std::count(used.begin(), used.end(), std::uint8_t{1}));
+  return static_cast<std::uint64_t>(std::ranges::count(used, std::uint8_t{1}));
 }
 
 std::string first_height_text(const LayerCoverage& c) {

@@ -87,8 +87,8 @@ constexpr std::string_view kUnknown = "02 09 49 42 02";
 constexpr Colour kInk = {29, 33, 38};
 
 std::string_view strokes_of(char letter) {
-  const auto* const found = std::find_if(kLetters.begin(), kLetters.end(),
-                                         [&](const Letter& known) { return known.letter == letter; });
+  const auto* const found =
+      std::ranges::find_if(kLetters, [&](const Letter& known) { return known.letter == letter; });
   return found == kLetters.end() ? kUnknown : found->strokes;
 }
 

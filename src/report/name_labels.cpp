@@ -15,8 +15,7 @@ namespace {
 constexpr std::size_t kMaxNames = 40;
 
 std::size_t count_letters(const std::string& utf8) {
-  return static_cast<std::size_t>(
-      std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(std::ranges::count_if(utf8, [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
 double text_width(const std::string& text, double letter) {
@@ -262,8 +261,7 @@ std::vector<OpeningMark> opening_marks(const MeshView& mesh, const quality::Mesh
       opening.nearest = middle;
   });
   std::erase_if(openings, [](const PatchSums& opening) { return !(opening.area > 0); });
-  std::stable_sort(openings.begin(), openings.end(),
-                   [](const PatchSums& a, const PatchSums& b) { return a.area > b.area; });
+  std::ranges::stable_sort(openings, [](const PatchSums& a, const PatchSums& b) { return a.area > b.area; });
   if (openings.size() > kMaxNames) openings.resize(kMaxNames);
   std::vector<OpeningMark> marks;
   for (const PatchSums& o : openings) {
@@ -291,7 +289,7 @@ bool is_behind(const Camera& camera, const Vec3& place, double margin_pixels,
                const std::vector<ScreenTriangle>& triangles) {
   const auto [x, y, depth] = camera.project(place);
   const PixelPlace p = {x, y};
-  return std::any_of(triangles.begin(), triangles.end(), [&, z = depth](const ScreenTriangle& t) {
+  return std::ranges::any_of(triangles, [&, z = depth](const ScreenTriangle& t) {
     const auto corner = [&](std::size_t i) { return PixelPlace{t.corners[i][0], t.corners[i][1]}; };
     const std::array<double, 3> parts = {turn(p, corner(1), corner(2)), turn(corner(0), p, corner(2)),
                                          turn(corner(0), corner(1), p)};
@@ -321,8 +319,7 @@ PictureLabels place_names(const std::vector<OpeningMark>& marks, const Camera& c
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto& chosen = *names[i].chosen;
     const Box& box = chosen.box;
-    if (std::any_of(taken.begin(), taken.end(), [&](const Box& other) { return other.touches(box); }))
-      continue;
+    if (std::ranges::any_of(taken, [&](const Box& other) { return other.touches(box); })) continue;
     taken.push_back(box);
     const bool hidden =
         marks[i].normal.dot(camera.toward) < 0 || is_behind(camera, marks[i].centre_mm, kInFront, triangles);

@@ -149,8 +149,7 @@ std::string steps(const NamedHistogram& named, const HistogramPlot& plot, const 
 }  // namespace
 
 std::string histogram_svg(const Histogram& histogram, const HistogramPlot& plot) {
-  const std::uint64_t highest =
-      histogram.counts.empty() ? 0 : *std::max_element(histogram.counts.begin(), histogram.counts.end());
+  const std::uint64_t highest = histogram.counts.empty() ? 0 : *std::ranges::max_element(histogram.counts);
   std::string svg = begin_svg(plot.width);
   if (highest == 0) return svg + nothing_here(plot.width) + foot_ticks(histogram, plot) + "</svg>";
   const UprightAxis axis(plot.counts, static_cast<double>(highest), 1);

@@ -49,8 +49,8 @@ constexpr std::array<Colour, 9> kViridis = {{{68, 1, 84},
 
 Palette::Palette(const MeshView& mesh, const MeshSurface& surface) : mesh_(mesh) {
   for (const auto& [inside, outside] : surface.labels)
-    if (std::find(labels_.begin(), labels_.end(), inside) == labels_.end()) labels_.push_back(inside);
-  std::sort(labels_.begin(), labels_.end());
+    if (std::ranges::find(labels_, inside) == labels_.end()) labels_.push_back(inside);
+  std::ranges::sort(labels_);
   std::size_t openings = 0;
   for (const Patch& patch : mesh.info->patches)
     patch_colours_.push_back(is_plane(patch.kind) ? opening_colour(openings++) : kWallColour);
@@ -59,7 +59,7 @@ Palette::Palette(const MeshView& mesh, const MeshSurface& surface) : mesh_(mesh)
 Colour Palette::of(Label label, std::int32_t patch) const {
   if (labels_.size() > 1)
     return distinct_colour(
-        static_cast<std::size_t>(std::lower_bound(labels_.begin(), labels_.end(), label) - labels_.begin()));
+        static_cast<std::size_t>(std::ranges::lower_bound(labels_, label) - labels_.begin()));
   const bool known = patch >= 0 && static_cast<std::size_t>(patch) < patch_colours_.size();
   return known ? patch_colours_[static_cast<std::size_t>(patch)] : kWallColour;
 }

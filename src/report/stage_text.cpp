@@ -19,7 +19,7 @@ std::string patch_lines(const MeshInfo& info, std::span<const std::int32_t> patc
   for (std::size_t p = 0; p < info.patches.size(); ++p) {
     const std::string& name = info.patches[p].name;
     lines += fmt::format("  patch {:<20} {:>8} triangles", name,
-                         std::count(patches.begin(), patches.end(), static_cast<std::int32_t>(p)));
+                         std::ranges::count(patches, static_cast<std::int32_t>(p)));
     for (const OpeningInMesh& o : openings.openings)
       if (o.patches == name) {
         lines += fmt::format("  {:.4g} mm² (input {:.4g})", o.mesh_area_mm2, o.opening.area_mm2);

@@ -213,10 +213,10 @@ bool has_whole_boundary(const MeshView& mesh) {
   const std::size_t patches = mesh.info->patches.size();
   for (const std::int32_t patch : mesh.triangle_patches)
     if (patch < 0 || static_cast<std::size_t>(patch) >= patches) return false;
-  const bool one_label = std::all_of(mesh.tetrahedron_labels.begin(), mesh.tetrahedron_labels.end(),
-                                     [&](Label label) { return label == mesh.tetrahedron_labels.front(); });
-  const bool sides_known = std::all_of(mesh.info->patches.begin(), mesh.info->patches.end(),
-                                       [](const Patch& patch) { return patch.labels[0] != kBackground; });
+  const bool one_label = std::ranges::all_of(
+      mesh.tetrahedron_labels, [&](Label label) { return label == mesh.tetrahedron_labels.front(); });
+  const bool sides_known = std::ranges::all_of(
+      mesh.info->patches, [](const Patch& patch) { return patch.labels[0] != kBackground; });
   if (!one_label && !sides_known) return false;
   const double volume = volume_of_tetrahedra(mesh);
   return std::abs(enclosed_volume(mesh) - volume) <= 1e-6 * std::abs(volume);
@@ -263,11 +263,10 @@ SurfacePicture draw_surface_curvature(const MeshView& mesh, const MeshSurface& s
                                      camera.width, camera.height, options.supersampling),
                            {}};
   result.scale = colours.scale("mean curvature", "1/mm");
-  const bool has_openings =
-      std::any_of(surface.patches.begin(), surface.patches.end(), [&](std::int32_t patch) {
-        return patch >= 0 && static_cast<std::size_t>(patch) < mesh.info->patches.size() &&
-               mesh.info->patches[static_cast<std::size_t>(patch)].kind == PatchKind::kOpening;
-      });
+  const bool has_openings = std::ranges::any_of(surface.patches, [&](std::int32_t patch) {
+    return patch >= 0 && static_cast<std::size_t>(patch) < mesh.info->patches.size() &&
+           mesh.info->patches[static_cast<std::size_t>(patch)].kind == PatchKind::kOpening;
+  });
   if (has_openings) result.legend = {{"openings: no curvature", DivergingColours::kNone}};
   return result;
 }

@@ -150,7 +150,7 @@ std::string labels_text(const Evaluation& e) {
   }
   if (e.labels.size() > kMaxLabels) text += fmt::format("… {} more labels\n", e.labels.size() - kMaxLabels);
   if (e.image && e.labels.size() > 1) text += union_row(e);
-  const auto lost = std::count_if(e.labels.begin(), e.labels.end(), [](const auto& l) { return l.lost(); });
+  const auto lost = std::ranges::count_if(e.labels, [](const auto& l) { return l.lost(); });
   if (lost > 0) text += fmt::format("{} of {} labels are not in the mesh\n", lost, e.labels.size());
   if (e.image) text += "in brackets: the voxels of the image, joined through faces";
   if (e.image && e.cut_planes > 0) text += ", as if it were not cut; volumes: of what the cuts keep";
@@ -203,8 +203,8 @@ std::string openings_text(const OpeningsCompared& compared) {
 std::string sections_text(std::vector<NarrowestSection> sections) {
   constexpr std::size_t kMaxBranches = 12;
   if (sections.empty()) return "";
-  std::stable_sort(sections.begin(), sections.end(),
-                   [](const auto& a, const auto& b) { return a.change_percent() < b.change_percent(); });
+  std::ranges::stable_sort(
+      sections, [](const auto& a, const auto& b) { return a.change_percent() < b.change_percent(); });
   std::string text = fmt::format("\n{:<24}{:>12}{:>14}{:>11}  {}\n", "narrowest sections", "mesh mm²",
                                  "voxels mm²", "change", "at mm");
   for (std::size_t i = 0; i < std::min(kMaxBranches, sections.size()); ++i) {

@@ -46,9 +46,8 @@ std::vector<LabelChange> changes_of(const std::map<Label, double>& before,
 /// A line on the label whose volume has changed most; empty if none has by much.
 std::string note_on_volumes(const std::vector<LabelChange>& changes) {
   constexpr double kMuchPercent = 0.1;
-  const auto worst = std::max_element(changes.begin(), changes.end(), [](const auto& a, const auto& b) {
-    return std::abs(a.percent()) < std::abs(b.percent());
-  });
+  const auto worst = std::ranges::max_element(
+      changes, [](const auto& a, const auto& b) { return std::abs(a.percent()) < std::abs(b.percent()); });
   if (worst == changes.end() || std::abs(worst->percent()) <= kMuchPercent) return "";
   return fmt::format("label {} fills {:.2g} % {} than before: {:.6g} mm³, not {:.6g}", worst->label,
                      std::abs(worst->percent()), worst->percent() < 0 ? "less" : "more", worst->after_mm3,

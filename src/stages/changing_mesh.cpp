@@ -22,8 +22,8 @@ OwnPoints::OwnPoints(MixedMesh& mesh) : mesh_(&mesh) {
   factors_ = frame_factors(MeshInfo(), frame_);
   order_.resize(own_.size());
   std::iota(order_.begin(), order_.end(), 0U);
-  std::sort(order_.begin(), order_.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return precedes(mesh.points[a], mesh.points[b]); });
+  std::ranges::sort(
+      order_, [&](std::uint32_t a, std::uint32_t b) { return precedes(mesh.points[a], mesh.points[b]); });
 }
 
 Vec3 OwnPoints::place(const Vec3& point_mm) const {

@@ -97,8 +97,8 @@ CheckReport check_mesh(const MixedMesh& mesh) {
 }  // namespace
 
 bool CheckReport::is_fit() const {
-  return std::none_of(findings.begin(), findings.end(),
-                      [](const Finding& finding) { return finding.severity == Severity::kFault; });
+  return std::ranges::none_of(findings,
+                              [](const Finding& finding) { return finding.severity == Severity::kFault; });
 }
 
 CheckReport check_file(const std::filesystem::path& path, const ImageSelection& selection, Context& context) {

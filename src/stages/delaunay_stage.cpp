@@ -107,7 +107,7 @@ DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& req
   if (!domain.fixed_points().empty()) {
     const std::span<const Vec3> points = made.mesh.points();
     made.report.fixed_points_kept = static_cast<std::uint64_t>(
-        std::count_if(points.begin(), points.end(), [&](const Vec3& p) { return domain.is_fixed(p); }));
+        std::ranges::count_if(points, [&](const Vec3& p) { return domain.is_fixed(p); }));
   }
   if (criterion == nullptr) return made;
   constexpr double kMany = 0.01;

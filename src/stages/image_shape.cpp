@@ -56,7 +56,7 @@ std::vector<LabelShape> shapes_of_mixed(const MeshView& mesh) {
 }
 
 bool is_any_of(std::span<const LabelShape> shapes, Label label) {
-  return std::any_of(shapes.begin(), shapes.end(), [&](const auto& s) { return s.label == label; });
+  return std::ranges::any_of(shapes, [&](const auto& s) { return s.label == label; });
 }
 
 std::string lost_pieces(const ImageShape& image, const std::vector<bool>& is_found, const char* remedy) {
@@ -78,8 +78,8 @@ std::string lost_pieces(const ImageShape& image, const std::vector<bool>& is_fou
 /// "label 1 with 1 piece and Euler number 1, of 2 and 2"; nothing if it is as in the image.
 std::string other_shape(const ImageShape& image, const LabelTopology& voxels, const LabelShape& mesh) {
   if (image.is_cut) {
-    const std::uint64_t least = static_cast<std::uint64_t>(std::count_if(
-        image.pieces.begin(), image.pieces.end(), [&](const auto& p) { return p.label == voxels.label; }));
+    const std::uint64_t least = static_cast<std::uint64_t>(
+        std::ranges::count_if(image.pieces, [&](const auto& p) { return p.label == voxels.label; }));
     if (mesh.components >= least && mesh.components <= voxels.component_count) return {};
     return fmt::format("label {} with {}, of {}", voxels.label, counted(mesh.components, "piece"),
                        mesh.components < least ? least : voxels.component_count);
@@ -100,8 +100,7 @@ std::string other_shapes(const ImageShape& image, std::span<const LabelShape> sh
   std::string list;
   std::size_t others = 0;
   for (const LabelTopology& label : image.labels) {
-    const auto found =
-        std::find_if(shapes.begin(), shapes.end(), [&](const auto& s) { return s.label == label.label; });
+    const auto found = std::ranges::find_if(shapes, [&](const auto& s) { return s.label == label.label; });
     const std::string other =
         other_shape(image, label, found == shapes.end() ? LabelShape{label.label} : *found);
     if (other.empty() || ++others > kMaxListed) continue;
@@ -146,8 +145,7 @@ std::vector<std::string> without_empty(std::vector<std::string> lines) {
 LabelImage cut_off(LabelImage image, std::span<const CutPlane> planes) {
   const ImageFrame& frame = image.frame();
   const auto is_beyond = [&](const Vec3& x) {
-    return std::any_of(planes.begin(), planes.end(),
-                       [&](const CutPlane& plane) { return plane.beyond_mm(x) > 0; });
+    return std::ranges::any_of(planes, [&](const CutPlane& plane) { return plane.beyond_mm(x) > 0; });
   };
   parallel::for_each_index(static_cast<std::size_t>(frame.size.z()), 1, [&](std::size_t k) {
     for (int j = 0; j < frame.size.y(); ++j)

@@ -67,9 +67,8 @@ double depth_of_end(const ImageFrame& frame, std::span<const BorderSection> sect
   const double voxel_mm = frame.spacing_mm.maxCoeff();
   double depth_mm = 0;
   for (const BorderSection& section : sections) {
-    const bool is_at_end =
-        std::any_of(section.centres_mm.begin(), section.centres_mm.end(),
-                    [&](const Vec3& p) { return (p - end).norm() < radius_mm + voxel_mm; });
+    const bool is_at_end = std::ranges::any_of(
+        section.centres_mm, [&](const Vec3& p) { return (p - end).norm() < radius_mm + voxel_mm; });
     if (!is_at_end) continue;
     for (const Vec3& p : section.centres_mm) {
       const Vec3 off = p - end;
@@ -105,8 +104,8 @@ void warn_of_sections_that_stay(const LabelImage& image, std::span<const CutPlan
   for (const BorderSection& section : border_sections(image, planes)) {
     const Vec3 centre = section.centre_mm();
     const double near_mm = 2 * section.reach_mm();
-    const bool is_known = std::any_of(tried.begin(), tried.end(),
-                                      [&](const Vec3& end) { return (end - centre).norm() < near_mm; });
+    const bool is_known =
+        std::ranges::any_of(tried, [&](const Vec3& end) { return (end - centre).norm() < near_mm; });
     if (section.is_wide() && !is_known)
       context.warn(
           fmt::format("{}: the section of {:.3g} mm² at {} stays: no axis of a vessel ends there; cut it "

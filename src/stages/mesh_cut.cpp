@@ -47,10 +47,10 @@ class NewNames {
  private:
   /// A ring that has edges in common with what another label has within it.
   [[nodiscard]] bool is_rim(const Piece& piece) const {
-    return loop_count(piece.rim) > 1 && std::any_of(pieces_.begin(), pieces_.end(), [&](const Piece& other) {
-             return other.label != piece.label &&
-                    std::any_of(other.rim.begin(), other.rim.end(),
-                                [&](std::uint64_t edge) { return piece.rim.contains(edge); });
+    return loop_count(piece.rim) > 1 && std::ranges::any_of(pieces_, [&](const Piece& other) {
+             return other.label != piece.label && std::ranges::any_of(other.rim, [&](std::uint64_t edge) {
+                      return piece.rim.contains(edge);
+                    });
            });
   }
 

@@ -54,7 +54,7 @@ std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_
 
 bool are_isotropic(const std::vector<SymTensor>& tensors) {
   constexpr double kSame = 1.02;  // Of eigenvalues, which are inverse squares of sizes.
-  return std::all_of(tensors.begin(), tensors.end(), [](const SymTensor& tensor) {
+  return std::ranges::all_of(tensors, [](const SymTensor& tensor) {
     const Vec3 values = metric::eigen_system(tensor).values;
     return values.maxCoeff() <= kSame * values.minCoeff();
   });

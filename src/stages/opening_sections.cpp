@@ -46,7 +46,7 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
     Vec3 index = at.cast<double>();
     index[axis] += is_last ? 0.5 : -0.5;
     const Vec3 centre_mm = frame.to_physical(index);
-    const bool is_cut_off = std::any_of(cuts.begin(), cuts.end(), [&](const CutPlane& cut) {
+    const bool is_cut_off = std::ranges::any_of(cuts, [&](const CutPlane& cut) {
       return cut.beyond_mm(centre_mm) > kRounding * frame.spacing_mm.minCoeff();
     });
     if (is_cut_off) continue;
@@ -66,9 +66,8 @@ std::optional<std::size_t> opening_of(const BorderSection& section, std::span<co
   for (std::size_t i = 0; i < openings.size(); ++i) {
     const Opening& o = openings[i];
     if (o.label != section.label || !o.squares || o.normal.dot(section.normal) < kAlike) continue;
-    const auto held =
-        static_cast<std::size_t>(std::count_if(section.centres_mm.begin(), section.centres_mm.end(),
-                                               [&](const Vec3& p) { return o.squares->hold(p); }));
+    const auto held = static_cast<std::size_t>(
+        std::ranges::count_if(section.centres_mm, [&](const Vec3& p) { return o.squares->hold(p); }));
     if (held <= most) continue;
     most = held;
     best = i;

@@ -39,8 +39,8 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
 
 bool was_extended(const MeshInfo& info) {
   const std::vector<std::string> made_with = cut_options(info.provenance);
-  return std::any_of(made_with.begin(), made_with.end(),
-                     [](const std::string& option) { return option.starts_with("--extend"); });
+  return std::ranges::any_of(made_with,
+                             [](const std::string& option) { return option.starts_with("--extend"); });
 }
 
 std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::string& mesh_path,
@@ -58,7 +58,7 @@ void note_cuts(std::span<const CutPlane> planes, std::map<std::string, std::stri
   cuts.planes.assign(planes.begin(), planes.end());
   std::vector<std::string> all = cut_options(provenance);
   for (std::string& option : cut_options(cuts))
-    if (std::find(all.begin(), all.end(), option) == all.end()) all.push_back(std::move(option));
+    if (std::ranges::find(all, option) == all.end()) all.push_back(std::move(option));
   if (!all.empty()) provenance[kCutsKey] = fmt::format("{}", fmt::join(all, " "));
 }
 

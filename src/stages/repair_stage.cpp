@@ -58,7 +58,7 @@ TriangleMesh turned_outwards(const MixedMesh& surface) {
 /// Where it has openings: it would close them.
 const Vec3* place_of_opening(const std::vector<surfaces::Rim>& rims, const TriangleMesh& mesh) {
   const std::vector<std::uint8_t> is_opening = surfaces::rims_are_openings(mesh, rims);
-  const auto first = std::find(is_opening.begin(), is_opening.end(), 1);
+  const auto first = std::ranges::find(is_opening, 1);
   return first == is_opening.end() ? nullptr
                                    : &rims[static_cast<std::size_t>(first - is_opening.begin())].centre_mm;
 }

@@ -145,7 +145,7 @@ std::unique_ptr<Sizing> SizeData::on(const Domain& domain, const Polylines& axes
   if (!request_.label_sizes.empty()) {
     std::vector<Label> labels;
     for (Material m = 1; m < domain.label_count(); ++m) labels.push_back(domain.label_of(m));
-    std::sort(labels.begin(), labels.end());
+    std::ranges::sort(labels);
     require_labels(option_name("label_size"), request_.label_sizes, labels);
     parts_.push_back(size_per_label(request_.label_sizes));
   }

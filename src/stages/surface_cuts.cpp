@@ -101,9 +101,8 @@ std::vector<FlatEnd> find_ends(const PatchedSurface& patched, MixedMesh& mesh) {
 
 /// Whether a centerline ends there, rather than in a sac.
 bool is_at_end(const Vec3& tip, std::span<const FlatEnd> ends) {
-  return std::any_of(ends.begin(), ends.end(), [&](const FlatEnd& end) {
-    return (tip - end.centre_mm).norm() < circle_radius(end.area_mm2);
-  });
+  return std::ranges::any_of(
+      ends, [&](const FlatEnd& end) { return (tip - end.centre_mm).norm() < circle_radius(end.area_mm2); });
 }
 
 class SurfaceCutter {
@@ -130,8 +129,7 @@ class SurfaceCutter {
         [](const Vec3&, const Vec3&, double) { return 0.0; }, {},
         [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
     for (const FlatEnd& end : ends)
-      if (std::none_of(tried.begin(), tried.end(),
-                       [&](const Vec3& tip) { return is_at_end(tip, std::span(&end, 1)); }))
+      if (std::ranges::none_of(tried, [&](const Vec3& tip) { return is_at_end(tip, std::span(&end, 1)); }))
         context_.warn(
             fmt::format("{}: {} at {} stays: no axis of a vessel ends there; cut it with `cut_plane`",
                         option_name("clip_ends"), end.name, place_text(end.centre_mm)));
@@ -192,7 +190,7 @@ class SurfaceCutter {
 void drop_what_was_cut_away(std::span<const FlatEnd> ends, std::vector<surfaces::ClosedRim>& closed) {
   std::erase_if(closed, [&](const surfaces::ClosedRim& rim) {
     constexpr double kNear = 0.01;  // Of the radius.
-    return rim.is_opening && std::none_of(ends.begin(), ends.end(), [&](const FlatEnd& end) {
+    return rim.is_opening && std::ranges::none_of(ends, [&](const FlatEnd& end) {
              return (end.centre_mm - rim.centre_mm).norm() < kNear * rim.given.radius_mm;
            });
   });

@@ -38,7 +38,7 @@ void split_quadrilaterals(MixedMesh& mesh) {
 void weld_points(MixedMesh& surface) {
   TriangleMesh welded = surfaces::weld(surface.points, surface.triangles, surface.triangle_patches);
   const std::vector<std::uint8_t> is_used = points_in_use(surface.points.size(), surface.triangles);
-  const auto used = static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), 1));
+  const auto used = static_cast<std::size_t>(std::ranges::count(is_used, 1));
   if (welded.triangles.size() == surface.triangles.size() && welded.points.size() == used) return;
   surface.points = std::move(welded.points);
   surface.triangles = std::move(welded.triangles);
@@ -167,7 +167,7 @@ void name_closed(std::vector<ClosedRim>& closed, std::span<const FlatEnd> ends) 
   for (ClosedRim& rim : closed) {
     if (!rim.is_opening || ends.empty() || !rim.name.empty()) continue;
     const auto distance = [&](const FlatEnd& end) { return (end.centre_mm - rim.centre_mm).squaredNorm(); };
-    rim.name = std::min_element(ends.begin(), ends.end(), [&](const FlatEnd& a, const FlatEnd& b) {
+    rim.name = std::ranges::min_element(ends, [&](const FlatEnd& a, const FlatEnd& b) {
                  return distance(a) < distance(b);
                })->name;
   }

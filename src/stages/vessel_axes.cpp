@@ -98,7 +98,7 @@ AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const Cut
             "axes",
             place_text(place), found.off_radii));
   const Vec3& foot = found.across.point_mm;
-  const bool is_gone = std::any_of(before.begin(), before.end(), [&](const CutPlane& plane) {
+  const bool is_gone = std::ranges::any_of(before, [&](const CutPlane& plane) {
     return plane.is_bounded() && (plane.beyond_mm(foot) > 0 || plane.beyond_mm(place) > 0);
   });
   if (is_gone)

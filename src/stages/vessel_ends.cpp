@@ -26,8 +26,8 @@ bool is_vessel(const Polylines& lines, const std::vector<std::uint32_t>& line) {
 /// Whether a branch leaves another line there.
 bool is_on_another(const Polylines& lines, const std::vector<std::uint32_t>& line, std::uint32_t tip) {
   const double near_mm = 0.5 * lines.scalars.at("radius")[tip];
-  return std::any_of(lines.lines.begin(), lines.lines.end(), [&](const auto& other) {
-    return &other != &line && std::any_of(other.begin(), other.end(), [&](std::uint32_t p) {
+  return std::ranges::any_of(lines.lines, [&](const auto& other) {
+    return &other != &line && std::ranges::any_of(other, [&](std::uint32_t p) {
       return (lines.points[p] - lines.points[tip]).norm() < near_mm;
     });
   });
@@ -79,15 +79,14 @@ std::vector<VesselEnd> vessel_ends(const Polylines& lines, double min_radius_mm,
     const std::uint32_t tip = from_tip.front();
     const Vec3& place = lines.points[tip];
     const double radius_mm = lines.scalars.at("radius")[tip];
-    const bool is_open = std::any_of(openings.begin(), openings.end(), [&](const Opening& opening) {
-      return is_at_opening(place, radius_mm, opening);
-    });
+    const bool is_open = std::ranges::any_of(
+        openings, [&](const Opening& opening) { return is_at_opening(place, radius_mm, opening); });
     if (!is_open && radius_mm >= min_radius_mm)
       ends.push_back({radius_mm, place, places_up(lines, from_tip, radius_mm)});
   };
   for (const auto& from_tip : lines_from_ends(lines)) look_at(from_tip);
-  std::stable_sort(ends.begin(), ends.end(),
-                   [](const VesselEnd& a, const VesselEnd& b) { return a.radius_mm > b.radius_mm; });
+  std::ranges::stable_sort(ends,
+                           [](const VesselEnd& a, const VesselEnd& b) { return a.radius_mm > b.radius_mm; });
   return ends;
 }
 
@@ -129,8 +128,7 @@ std::string only_opening(const std::string& name, std::string_view of_what) {
 }
 
 const VesselEnd* first_to_cut(std::span<const VesselEnd> ends) {
-  const auto first =
-      std::find_if(ends.begin(), ends.end(), [](const VesselEnd& end) { return end.cut_mm.has_value(); });
+  const auto first = std::ranges::find_if(ends, [](const VesselEnd& end) { return end.cut_mm.has_value(); });
   return first == ends.end() ? nullptr : &*first;
 }
 

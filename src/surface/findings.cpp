@@ -68,7 +68,7 @@ class SurfaceCheck {
   void look_at_doubles() {
     Finding points = remark("duplicate_points", "points at the place of another; they count as one");
     const std::vector<std::uint8_t> is_used = points_in_use(given_points_.size(), given_triangles_);
-    const auto used = static_cast<std::uint64_t>(std::count(is_used.begin(), is_used.end(), 1));
+    const auto used = static_cast<std::uint64_t>(std::ranges::count(is_used, 1));
     points.count = used - std::min<std::uint64_t>(used, surface_.points.size());
     keep(std::move(points));
     Finding lines =
@@ -107,10 +107,9 @@ class SurfaceCheck {
     std::uint32_t last = ~0U;
     for (const Fan& fan : further_fans(surface_, neighbours_)) {
       // Beside edges of three triangles it is these that are wrong.
-      const bool is_at_crowded =
-          std::any_of(fan.triangles.begin(), fan.triangles.end(), [&](std::uint32_t t) {
-            return std::count(neighbours_[t].begin(), neighbours_[t].end(), kCrowdedEdge) > 0;
-          });
+      const bool is_at_crowded = std::ranges::any_of(fan.triangles, [&](std::uint32_t t) {
+        return std::ranges::count(neighbours_[t], kCrowdedEdge) > 0;
+      });
       if (!is_at_crowded && fan.vertex != std::exchange(last, fan.vertex))
         fans.add(surface_.points[fan.vertex]);
     }
@@ -233,7 +232,7 @@ class SurfaceCheck {
     const std::vector<Vec3> doubled = find_doubled_places(outward.points, outward.triangles);
     for (const Vec3& p : doubled) nested.add(p);
     for (std::uint32_t part = 0; part < parts_.count; ++part)
-      if (volumes[part] < 0 && std::find(doubled.begin(), doubled.end(), place[part]) == doubled.end())
+      if (volumes[part] < 0 && std::ranges::find(doubled, place[part]) == doubled.end())
         inside_out.add(place[part]);
     keep(std::move(inside_out));
     keep(std::move(nested));

@@ -69,11 +69,11 @@ std::vector<std::vector<std::uint32_t>> rim_triangles(const TriangleMesh& surfac
     for (std::size_t i = 0; i < vertices.size(); ++i)
       edges.push_back({vertices[i], vertices[(i + 1) % vertices.size()], r, i});
   }
-  std::sort(edges.begin(), edges.end());
+  std::ranges::sort(edges);
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     for (std::size_t s = 0; s < 3; ++s) {
       const std::uint32_t from = surface.triangles[t][s], to = surface.triangles[t][(s + 1) % 3];
-      const auto at = std::lower_bound(edges.begin(), edges.end(), RimEdge{from, to, 0, 0});
+      const auto at = std::ranges::lower_bound(edges, RimEdge{from, to, 0, 0});
       if (at != edges.end() && at->from == from && at->to == to) triangles[at->rim][at->place] = t;
     }
   return triangles;
@@ -94,15 +94,14 @@ double cosine_to_wall(const TriangleMesh& surface, const Rim& rim, std::span<con
 std::int32_t commonest_patch(const TriangleMesh& surface, std::span<const std::uint32_t> triangles) {
   std::map<std::int32_t, std::size_t> counts;
   for (const std::uint32_t t : triangles) ++counts[surface.patches[t]];
-  return std::max_element(counts.begin(), counts.end(),
-                          [](const auto& a, const auto& b) { return a.second < b.second; })
+  return std::ranges::max_element(counts, [](const auto& a, const auto& b) { return a.second < b.second; })
       ->first;
 }
 
 bool leaves_plane_at_angle(const TriangleMesh& surface, const Rim& rim, double min_angle_deg) {
   const double max_cosine = std::cos(min_angle_deg * std::numbers::pi / 180);
   const std::vector<std::uint32_t> triangles = rim_triangles(surface, {&rim, 1}).front();
-  return std::none_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+  return std::ranges::none_of(triangles, [&](std::uint32_t t) {
     // Under the cap, the surface faces the other way.
     return normal_at(surface, t).stableNormalized().dot(rim.normal) < -max_cosine;
   });
@@ -118,7 +117,7 @@ std::optional<FlatRim> move_into_plane(TriangleMesh& surface, const Rim& rim, Ve
   VertexPlanes constrained = planes;
   for (const std::uint32_t v : rim.vertices) {
     std::vector<Plane>& mine = constrained[v];
-    if (std::find(mine.begin(), mine.end(), plane) == mine.end()) mine.push_back(plane);
+    if (std::ranges::find(mine, plane) == mine.end()) mine.push_back(plane);
     const std::optional<Vec3> place = nearest_in(mine, surface.points[v]);
     if (!place) return std::nullopt;
     flat.moved_mm = std::max(flat.moved_mm, (*place - surface.points[v]).norm());
@@ -127,8 +126,8 @@ std::optional<FlatRim> move_into_plane(TriangleMesh& surface, const Rim& rim, Ve
   if (flat.moved_mm > Rim::kMaxBent * rim.radius_mm + rim.mean_edge_mm) return std::nullopt;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const Cell<3>& corners = surface.triangles[t];
-    const bool is_moved = std::any_of(corners.begin(), corners.end(),
-                                      [&](std::uint32_t v) { return moved.points[v] != surface.points[v]; });
+    const bool is_moved =
+        std::ranges::any_of(corners, [&](std::uint32_t v) { return moved.points[v] != surface.points[v]; });
     if (is_moved && !(normal_at(moved, t).dot(normal_at(surface, t)) > 0)) return std::nullopt;
   }
   if (!leaves_plane_at_angle(moved, flat.rim, min_angle_deg)) return std::nullopt;

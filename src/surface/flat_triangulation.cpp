@@ -92,7 +92,7 @@ FlatTriangulation::Bridge FlatTriangulation::shortest_bridge(
     for (std::size_t to = 0; to < loops[h].size(); ++to)
       for (std::size_t from = 0; from < outline.size(); ++from)
         ways.push_back({(points_[loops[h][to]] - points_[outline[from]]).squaredNorm(), {from, h, to}});
-  std::stable_sort(ways.begin(), ways.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(ways, [](const auto& a, const auto& b) { return a.first < b.first; });
   const auto corner = [&](const std::vector<std::uint32_t>& loop, std::size_t i) {
     return loop[(i + loop.size()) % loop.size()];
   };
@@ -104,10 +104,9 @@ FlatTriangulation::Bridge FlatTriangulation::shortest_bridge(
     };
     if (!leaves(outline, way.from, q) || !leaves(loops[way.loop], way.to, p) || meets_edge(outline, p, q))
       return false;
-    return std::none_of(loops.begin(), loops.end(), [&](const auto& loop) { return meets_edge(loop, p, q); });
+    return std::ranges::none_of(loops, [&](const auto& loop) { return meets_edge(loop, p, q); });
   };
-  const auto best =
-      std::find_if(ways.begin(), ways.end(), [&](const auto& way) { return is_free(way.second); });
+  const auto best = std::ranges::find_if(ways, [&](const auto& way) { return is_free(way.second); });
   LUMESH_ASSERT(best != ways.end());
   return best->second;
 }

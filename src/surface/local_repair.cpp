@@ -85,8 +85,8 @@ class LocalRepair {
     report_.components = topology.components;
     report_.openings = topology.openings;
     report_.genus = topology.genus;
-    report_.new_triangles = static_cast<std::uint64_t>(
-        std::count_if(origin_.begin(), origin_.end(), [](auto o) { return o >= kHoleFilling; }));
+    report_.new_triangles =
+        static_cast<std::uint64_t>(std::ranges::count_if(origin_, [](auto o) { return o >= kHoleFilling; }));
     for (std::size_t t = 0; t < origin_.size(); ++t)
       if (origin_[t] < kHoleFilling && is_odd(surface_.triangles[t], given_.triangles[origin_[t]]))
         ++report_.turned_triangles;
@@ -145,8 +145,8 @@ class LocalRepair {
     const Parts parts = turn_alike(surface_);
     if (parts.count < 2) return;
     std::vector<PartMeasures> measures = measured_parts(parts, edge_neighbours(surface_.triangles));
-    std::stable_sort(measures.begin(), measures.end(),
-                     [](const PartMeasures& a, const PartMeasures& b) { return a.area_mm2 > b.area_mm2; });
+    std::ranges::stable_sort(
+        measures, [](const PartMeasures& a, const PartMeasures& b) { return a.area_mm2 > b.area_mm2; });
     std::vector<Cell<3>> kept;
     const auto keep = [&](const PartMeasures& part) {
       for (const std::uint32_t t : part.triangles) kept.push_back(surface_.triangles[t]);
@@ -210,7 +210,7 @@ class LocalRepair {
       const auto copy = static_cast<std::uint32_t>(surface_.points.size());
       surface_.points.push_back(Vec3(surface_.points[fan.vertex]));
       for (const std::uint32_t t : fan.triangles)
-        std::replace(surface_.triangles[t].begin(), surface_.triangles[t].end(), fan.vertex, copy);
+        std::ranges::replace(surface_.triangles[t], fan.vertex, copy);
     }
     return fans.size();
   }
@@ -230,8 +230,7 @@ class LocalRepair {
     const auto opening = [&](std::uint32_t v) { return v < opening_of_.size() ? opening_of_[v] : 0; };
     const std::uint32_t first = opening(rim.vertices[0]);
     return first != 0 && opening_sizes_[first - 1] == rim.vertices.size() &&
-           std::all_of(rim.vertices.begin(), rim.vertices.end(),
-                       [&](std::uint32_t v) { return opening(v) == first; });
+           std::ranges::all_of(rim.vertices, [&](std::uint32_t v) { return opening(v) == first; });
   }
 
   void fill_holes(std::uint32_t origin) {
@@ -239,9 +238,8 @@ class LocalRepair {
     const std::vector<std::vector<std::uint32_t>> walls = rim_triangles(surface_, rims);
     for (std::size_t r = 0; r < rims.size(); ++r) {
       if (is_opening(rims[r])) continue;
-      const bool is_at_hole =
-          std::any_of(rims[r].vertices.begin(), rims[r].vertices.end(),
-                      [&](std::uint32_t v) { return v < is_at_hole_.size() && is_at_hole_[v] != 0; });
+      const bool is_at_hole = std::ranges::any_of(
+          rims[r].vertices, [&](std::uint32_t v) { return v < is_at_hole_.size() && is_at_hole_[v] != 0; });
       if (origin == kHoleFilling) {
         ++report_.holes;
         report_.widest_hole_mm = std::max(report_.widest_hole_mm, rims[r].radius_mm);
@@ -262,8 +260,8 @@ class LocalRepair {
     std::int64_t edges = 0;
     for_each_edge(sorted_sides(surface_.triangles), [&](std::span<const TriangleSide>) { ++edges; });
     const auto rims = static_cast<std::int64_t>(find_rims(surface_).size());
-    const std::int64_t euler = std::count(is_used.begin(), is_used.end(), 1) - edges +
-                               static_cast<std::int64_t>(surface_.triangles.size()) + rims;
+    const std::int64_t euler =
+        std::ranges::count(is_used, 1) - edges + static_cast<std::int64_t>(surface_.triangles.size()) + rims;
     return {parts.count, static_cast<std::uint64_t>(rims), parts.count - euler / 2};
   }
 
@@ -273,12 +271,12 @@ class LocalRepair {
       flip_flat_triangles();
       std::vector<std::uint8_t> is_bad = bad_triangles();
       if (folds_ == Folds::kTakeOut && round <= kRoundsOfFolds) mark_folds(is_bad);
-      const auto first = std::find(is_bad.begin(), is_bad.end(), 1);
+      const auto first = std::ranges::find(is_bad, 1);
       if (first == is_bad.end()) return true;
       if (round == 1) trouble_mm_ = middle_of(static_cast<std::size_t>(first - is_bad.begin()));
       report_.rounds = round;
       grow(is_bad, round);
-      report_.removed_triangles += static_cast<std::uint64_t>(std::count(is_bad.begin(), is_bad.end(), 1));
+      report_.removed_triangles += static_cast<std::uint64_t>(std::ranges::count(is_bad, 1));
       remove(is_bad);
       divide_points();
       drop_islands();
@@ -287,7 +285,7 @@ class LocalRepair {
     }
     flip_flat_triangles();
     const std::vector<std::uint8_t> is_bad = bad_triangles();
-    return std::count(is_bad.begin(), is_bad.end(), 1) == 0;
+    return std::ranges::count(is_bad, 1) == 0;
   }
 
   [[nodiscard]] std::vector<std::uint8_t> bad_triangles() const {
@@ -373,10 +371,9 @@ class LocalRepair {
     if (other >= kCrowdedEdge || is_touched[other] != 0) return other == kOpenEdge;
     const std::uint32_t a = mine[s], b = mine[(s + 1) % 3], c = mine[(s + 2) % 3];
     Cell<3>& theirs = surface_.triangles[other];
-    const std::uint32_t d =
-        *std::find_if(theirs.begin(), theirs.end(), [&](auto v) { return v != a && v != b; });
+    const std::uint32_t d = *std::ranges::find_if(theirs, [&](auto v) { return v != a && v != b; });
     const auto [low, high] = std::minmax(c, d);
-    const auto edge = std::lower_bound(sides.begin(), sides.end(), TriangleSide{low, high, 0, 0});
+    const auto edge = std::ranges::lower_bound(sides, TriangleSide{low, high, 0, 0});
     if (c == d || (edge != sides.end() && edge->edge() == std::pair(low, high))) return false;
     for (const std::uint32_t n : {neighbours[t][0], neighbours[t][1], neighbours[t][2], neighbours[other][0],
                                   neighbours[other][1], neighbours[other][2]})
@@ -404,9 +401,7 @@ class LocalRepair {
     std::vector<std::uint8_t> has_stayed = is_left_out_;
     for (const std::uint32_t o : origin_)
       if (o < kHoleFilling) has_stayed[o] = 1;
-    if (std::count(has_stayed.begin(), has_stayed.end(), 0) == 0 &&
-        std::count(origin_.begin(), origin_.end(), kMended) == 0)
-      return;
+    if (std::ranges::count(has_stayed, 0) == 0 && std::ranges::count(origin_, kMended) == 0) return;
     const double step = max_distance_mm_ / 4;
     const FarthestPoint out = farthest_from(given_, TriangleTree(surface_.points, surface_.triangles), step,
                                             [&](std::size_t t) { return has_stayed[t] == 0; });

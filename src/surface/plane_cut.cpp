@@ -229,8 +229,7 @@ std::int32_t cap_sections(TriangleMesh& surface, const SectionPlane& plane, std:
     rim.normal = is_outer ? plane.normal : Vec3(-plane.normal);  // Its own is the same but for rounding.
     (is_outer ? outer : within).push_back(std::move(rim));
   }
-  std::stable_sort(outer.begin(), outer.end(),
-                   [](const Rim& a, const Rim& b) { return a.area_mm2 > b.area_mm2; });
+  std::ranges::stable_sort(outer, [](const Rim& a, const Rim& b) { return a.area_mm2 > b.area_mm2; });
   std::vector<std::vector<Rim>> inner(outer.size());
   for (Rim& rim : within) {
     std::size_t smallest = outer.size();
@@ -310,7 +309,7 @@ class EndCut {
                       text(), loop.area_mm2, loop.area_mm2 / of_vessel, radius_mm));
     reach_of_ = 0;
     for (const TriangleSide& side : loop.above)
-      if (std::find(ends_.begin(), ends_.end(), divided.mesh.patches[side.triangle]) != ends_.end())
+      if (std::ranges::find(ends_, divided.mesh.patches[side.triangle]) != ends_.end())
         refuse_cut(text() + " is too short: the section across its axis divides an end; cut further inside");
     for (const TriangleSide& side : loop.above)
       reach_of_ = std::max(reach_of_, (divided.mesh.points[side.low] - plane_.point_mm).norm());
@@ -329,7 +328,7 @@ class EndCut {
     TriangleMesh& mesh = divided.mesh;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> walls;
     for (const TriangleSide& side : loop.above) walls.push_back(side.edge());
-    std::sort(walls.begin(), walls.end());
+    std::ranges::sort(walls);
     const EdgeNeighbours neighbours = edge_neighbours(mesh.triangles);
     std::vector<std::uint8_t> part(mesh.triangles.size(), 0);
     const auto flood = [&](const std::vector<TriangleSide>& from, std::uint8_t mark) {
@@ -350,7 +349,7 @@ class EndCut {
         for (std::size_t s = 0; s < 3; ++s) {
           const auto edge = std::minmax(mesh.triangles[t][s], mesh.triangles[t][(s + 1) % 3]);
           const bool is_wall =
-              std::binary_search(walls.begin(), walls.end(), std::pair<std::uint32_t, std::uint32_t>(edge));
+              std::ranges::binary_search(walls, std::pair<std::uint32_t, std::uint32_t>(edge));
           if (!is_wall && neighbours[t][s] < kCrowdedEdge) enter(neighbours[t][s]);
         }
       }

@@ -43,8 +43,7 @@ bool PlaneSlide::move(std::uint32_t v) {
   for (std::size_t i = 0; i < normals.size() && is_good; ++i) {
     const std::uint32_t t = around_.of(v)[i];
     const Cell<3>& corners = surface_.triangles[t];
-    const bool is_flat =
-        std::all_of(corners.begin(), corners.end(), [&](std::uint32_t c) { return heights_[c] == 0; });
+    const bool is_flat = std::ranges::all_of(corners, [&](std::uint32_t c) { return heights_[c] == 0; });
     is_good = !is_flat && keeps_its_side(normals[i], area_normal(t));
   }
   if (is_good) return true;

@@ -22,7 +22,7 @@ std::vector<DirectedEdge> rim_edges(const TriangleMesh& surface) {
     for (std::size_t s = 0; s < 3; ++s)
       if (neighbours[t][s] == kOpenEdge)
         edges.push_back({surface.triangles[t][s], surface.triangles[t][(s + 1) % 3]});
-  std::sort(edges.begin(), edges.end());
+  std::ranges::sort(edges);
   return edges;
 }
 
@@ -62,8 +62,8 @@ class LoopWalk {
     }
   }
   [[nodiscard]] std::size_t free_edge_from(std::uint32_t vertex) const {
-    auto at = static_cast<std::size_t>(
-        std::lower_bound(edges_.begin(), edges_.end(), DirectedEdge{vertex, 0}) - edges_.begin());
+    auto at =
+        static_cast<std::size_t>(std::ranges::lower_bound(edges_, DirectedEdge{vertex, 0}) - edges_.begin());
     while (at < edges_.size() && edges_[at][0] == vertex && is_used_[at] != 0) ++at;
     return at < edges_.size() && edges_[at][0] == vertex ? at : edges_.size();
   }
@@ -138,7 +138,7 @@ void turn_outwards(TriangleMesh& surface, std::vector<Rim>& rims) {
     if (volumes[parts.of_triangle[t]] < 0) std::swap(surface.triangles[t][1], surface.triangles[t][2]);
   for (Rim& rim : rims)
     if (volumes[part_at[rim.vertices[0]]] < 0) {
-      std::reverse(rim.vertices.begin(), rim.vertices.end());
+      std::ranges::reverse(rim.vertices);
       rim.normal = -rim.normal;
     }
 }

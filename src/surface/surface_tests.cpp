@@ -64,7 +64,7 @@ std::vector<Fan> further_fans(const TriangleMesh& surface, const EdgeNeighbours&
         for (std::size_t s = 0; s < 3; ++s) {
           const Cell<3>& corners = surface.triangles[fan[i]];
           if (corners[s] != v && corners[(s + 1) % 3] != v) continue;
-          const auto at = std::find(left.begin(), left.end(), neighbours[fan[i]][s]);
+          const auto at = std::ranges::find(left, neighbours[fan[i]][s]);
           if (at == left.end()) continue;
           fan.push_back(*at);
           left.erase(at);
@@ -84,8 +84,7 @@ bool is_close_along(const EdgeNeighbours& neighbours, std::uint32_t from, std::u
     for (std::size_t i = ring_begin; i < ring_end; ++i)
       for (const std::uint32_t next : neighbours[reached[i]]) {
         if (next == to) return true;
-        if (next < kCrowdedEdge && std::find(reached.begin(), reached.end(), next) == reached.end())
-          reached.push_back(next);
+        if (next < kCrowdedEdge && std::ranges::find(reached, next) == reached.end()) reached.push_back(next);
       }
     ring_begin = ring_end;
   }
@@ -96,13 +95,13 @@ std::vector<std::uint32_t> duplicate_triangles(std::span<const Cell<3>> triangle
   std::vector<std::pair<Cell<3>, std::uint32_t>> sorted;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     sorted.emplace_back(triangles[t], t);
-    std::sort(sorted.back().first.begin(), sorted.back().first.end());
+    std::ranges::sort(sorted.back().first);
   }
   parallel::sort(sorted.begin(), sorted.end());
   std::vector<std::uint32_t> doubles;
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i].first == sorted[i - 1].first) doubles.push_back(sorted[i].second);
-  std::sort(doubles.begin(), doubles.end());
+  std::ranges::sort(doubles);
   return doubles;
 }
 

@@ -8,7 +8,7 @@ namespace lumesh {
 /// Ascending, or by `less`, and each item once. Equal ones must be neighbours in that order.
 template <class Items, class... Less>
 void sort_unique(Items& items, const Less&... less) {
-  std::sort(items.begin(), items.end(), less...);
+  std::ranges::sort(items, less...);
   items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 

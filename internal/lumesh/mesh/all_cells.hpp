@@ -20,7 +20,7 @@ struct CellTriangles {
 
   void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) { items[count++] = {a, b, c}; }
   void add_quad(const Cell<4>& q) {
-    const auto low = static_cast<std::size_t>(std::min_element(q.begin(), q.end()) - q.begin());
+    const auto low = static_cast<std::size_t>(std::ranges::min_element(q) - q.begin());
     add(q[low], q[(low + 1) % 4], q[(low + 2) % 4]);
     add(q[low], q[(low + 2) % 4], q[(low + 3) % 4]);
   }

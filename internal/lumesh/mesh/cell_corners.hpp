@@ -48,7 +48,7 @@ inline constexpr std::array<std::array<int, 2>, 12> kHexahedronEdges = {
 [[nodiscard]] inline bool has_turned_corner(std::span<const Vec3> points,
                                             std::span<const std::uint32_t> cell) {
   const std::span<const LocalCorner> corners = corners_of_cell(cell.size());
-  return std::any_of(corners.begin(), corners.end(), [&](const LocalCorner& c) {
+  return std::ranges::any_of(corners, [&](const LocalCorner& c) {
     const Vec3& at = points[cell[c[0]]];
     const Vec3 u = points[cell[c[1]]] - at, v = points[cell[c[2]]] - at, w = points[cell[c[3]]] - at;
     return !(u.cross(v).dot(w) > 0);

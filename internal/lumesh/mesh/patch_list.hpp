@@ -14,8 +14,7 @@ namespace lumesh {
 
 /// Number of the first patch of a name, or how many patches there are.
 [[nodiscard]] inline std::size_t patch_called(std::span<const Patch> patches, std::string_view name) {
-  const auto at =
-      std::find_if(patches.begin(), patches.end(), [&](const Patch& patch) { return patch.name == name; });
+  const auto at = std::ranges::find_if(patches, [&](const Patch& patch) { return patch.name == name; });
   return static_cast<std::size_t>(at - patches.begin());
 }
 [[nodiscard]] inline bool has_patch_called(std::span<const Patch> patches, std::string_view name) {

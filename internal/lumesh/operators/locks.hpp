@@ -84,7 +84,7 @@ class SpeculativeLock {
   }
   void keep_only(const Cell<4>& vertices) {
     std::erase_if(held_, [&](VertexId held) {
-      if (std::find(vertices.begin(), vertices.end(), held.value) != vertices.end()) return false;
+      if (std::ranges::find(vertices, held.value) != vertices.end()) return false;
       parallel::unlock(mesh_->lock_word(held), mesh_->alive(held) ? parallel::kFreeWord : TetMesh::kNoOwner);
       return true;
     });
