@@ -192,9 +192,8 @@ void add_name_option(CLI::App& command, std::vector<std::string>& names) {
       .add_option(
           "--name", names,
           "PATCH=NAME, such as outlet_2=left_ica, X,Y,Z=NAME for the opening near a place in mm, "
-          "AREAmm2=NAME for "
-          "the one of about that area; NAME:KIND says what it is: inlet, outlet, wall or symmetry; may be "
-          "repeated; lumesh info lists the openings of an image")
+          "AREAmm2=NAME for the one of about that area; NAME:KIND says what it is: inlet, outlet, wall or "
+          "symmetry; may be repeated; lumesh info lists the openings of an image")
       ->allow_extra_args(false)
       ->check([](const std::string& text) {
         try {

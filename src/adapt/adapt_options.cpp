@@ -30,8 +30,7 @@ void AdaptOptions::describe(OptionList& list) {
   list.choice("placement", placement,
               {{"edge", PointPlacement::kEdge}, {"centroid", PointPlacement::kCentroid}},
               "Where new points of the volume are put: on the longest edges, or first on the centroids of "
-              "tetrahedra "
-              "that have long edges (mpp 5)",
+              "tetrahedra that have long edges (mpp 5)",
               {{"5", "centroid"}})
       .alias("mpp");
   list.choice(
@@ -59,8 +58,7 @@ void AdaptOptions::validate() const {
 void BoundaryOptions::describe(OptionList& list) {
   list.choice("boundary", is_frozen, {{"adapt", false}, {"frozen", true}},
               "adapt: vertices of planes, cylinders and curved patches move along them, or along the image's "
-              "boundary; "
-              "frozen: the surface stays as it is",
+              "boundary; frozen: the surface stays as it is",
               {{"0", "frozen"}, {"1", "adapt"}})
       .alias("sref");
   list.number("feature_angle", feature_angle_deg, between(1, 180),

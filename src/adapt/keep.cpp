@@ -67,8 +67,7 @@ KeptCells::KeptCells(const MixedMesh& mesh, const std::set<Label>& kept) : patch
   if (const Label other = label_of_other_cells(free_.mesh); other != kBackground)
     throw Error(ErrorKind::kBadInput,
                 "label " + std::to_string(other) +
-                    " has cells other than tetrahedra, which cannot be changed; keep it, "
-                    "too");
+                    " has cells other than tetrahedra, which cannot be changed; keep it, too");
   kept_ = part_of(mesh, kept);
 }
 

@@ -22,19 +22,16 @@ void DelaunayOptions::describe(OptionList& list) {
       .zero("1.3 delta");
   list.number("surface_distance", surface_distance_mm, above(0),
               "How far flat boundary triangles may stand off a bent surface, about: where it bends, points "
-              "stand closer "
-              "than delta says, down to a third of that")
+              "stand closer than delta says, down to a third of that")
       .in("mm")
       .zero("none");
   list.number("lift", lift, between(0, 1),
               "Where points of bent surfaces stand: over them by this share of the sagitta of the triangles "
-              "around. 1 "
-              "keeps the volume, 0 leaves points on the surface");
+              "around. 1 keeps the volume, 0 leaves points on the surface");
   list.choice("seeding", seeding,
               {{"lattice", Seeding::kLattice}, {"surface", Seeding::kSurface}, {"few", Seeding::kFew}},
               "What refinement begins with: points of a lattice inside and of all surfaces; of surfaces "
-              "only; or few of "
-              "them, so that the rules do all the rest");
+              "only; or few of them, so that the rules do all the rest");
   list.number("radius_edge", radius_edge, at_least(1.5),
               "Largest circumradius of tetrahedra in units of their shortest edge (R4)");
   list.number("facet_angle", facet_angle_deg, between(0, 30),

@@ -31,8 +31,7 @@ class PointCriterion final : public Sizing {
       floor_mm = options.bound_mm;
       warning_ = fmt::format(
           "{} {:g} is met by no tetrahedra around a point, however small they are, as no value below {:g} "
-          "is: "
-          "edges shorter than {:.3g} mm were left as they are; {} sets that bound",
+          "is: edges shorter than {:.3g} mm were left as they are; {} sets that bound",
           option_name("adapt_const"), adapt_const_, kEndsByItself, floor_mm, option_name("size_floor"));
     }
     constexpr double kAtPoint = 1e-3;  // Of the bound: a vertex at the place of a point would ask for ever.

@@ -21,8 +21,7 @@ void SurfaceDomainOptions::describe(OptionList& list) {
   list.flag(
       "keep_vertices", keep_vertices,
       "Of a surface: its vertices are vertices of the mesh, exactly, but for those nearer to others than "
-      "about 0.7 "
-      "edge lengths");
+      "about 0.7 edge lengths");
 }
 
 void SurfaceDomainOptions::validate() const {

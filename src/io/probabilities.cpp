@@ -85,8 +85,7 @@ void warn_of_doubts(const CrossingCounts& counts, const fs::path& path, const Co
   else if (against > kMaxAgainst)
     context.warn(
         fmt::format("{}: is on the wrong side of 0.5 at {:.0f} % of the object's voxel faces, which the "
-                    "labels alone place; is it "
-                    "of this image, and of the object?",
+                    "labels alone place; is it of this image, and of the object?",
                     path.string(), against));
 }
 

@@ -9,15 +9,13 @@ namespace lumesh {
 void LatticeOptions::describe(OptionList& list) {
   list.number("edge_length", spacing_mm, above(0),
               "Edge of the lattice's cubes, and so of triangles, at boundaries where the object is thick; a "
-              "voxel "
-              "counts as the geometric mean of its edges")
+              "voxel counts as the geometric mean of its edges")
       .in("mm")
       .alias("spacing")
       .zero("2.5 voxels");
   list.number("fidelity", fidelity, between(0.1, 0.98),
               "At a boundary the spacing is at most 4 (1 - fidelity) times the local half thickness, in "
-              "vessels at most "
-              "0.8 of their radius; edges, tips and clefts get half of the spacing at most");
+              "vessels at most 0.8 of their radius; edges, tips and clefts get half of the spacing at most");
   list.of_labels("label_fidelity", label_fidelity, between(0.1, 0.98),
                  "The fidelity of single labels; never given up for max_tetrahedra");
   list.number("coarsening", coarsening, between(0, 4),

@@ -158,8 +158,7 @@ double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const Metr
   if (!std::isfinite(seen))
     throw Error(ErrorKind::kBadInput,
                 "the metric's sizes are beyond what numbers hold; ask for sizes and a complexity nearer to "
-                "those of the "
-                "mesh");
+                "those of the mesh");
   return seen;
 }
 

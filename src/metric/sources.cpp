@@ -66,14 +66,12 @@ std::vector<SymTensor> TensorSource::on(const TetMesh& /*mesh*/, SourceData& dat
 void PointSource::describe(OptionList& list) {
   list.path("points", points,
             "Ellipsoids around the k points nearest to each vertex, of a file (.vtp, .vtu, .vtk, meshes, "
-            ".csv, .txt, "
-            ".xyz), or of the centerline",
+            ".csv, .txt, .xyz), or of the centerline",
             {"centerline"});
   list.number("k", options.k, between(1, 10000), "Points nearest to a vertex that count").needs("points");
   list.flag("isotropic", options.isotropic,
             "Instead of ellipsoids, sizes that are the same in all directions: the mean distance to these "
-            "points "
-            "(the paper's k is 30 then)")
+            "points (the paper's k is 30 then)")
       .needs("points");
 }
 
@@ -85,9 +83,7 @@ std::vector<SymTensor> PointSource::at(std::span<const Vec3> places, SourceData&
 void VelocitySource::describe(OptionList& list) {
   list.path("velocity", velocity,
             "Fine across the flow where its velocity changes, long along it: samples of a velocity (.vtp, "
-            ".vtu, .vtk, .csv, .txt, "
-            ".dat), or the "
-            "phantom's",
+            ".vtu, .vtk, .csv, .txt, .dat), or the phantom's",
             {"phantom"});
   list.text("velocity_array", array,
             "Point array that holds it; none: velocity, or the only vectors there are")
@@ -116,8 +112,7 @@ std::vector<SymTensor> VelocitySource::at(std::span<const Vec3> places, SourceDa
 void HessianSource::describe(OptionList& list) {
   list.text("hessian", field,
             "Low interpolation error of this solution: a point array of the mesh's file, or a .sol or .solb "
-            "file with a "
-            "number per vertex");
+            "file with a number per vertex");
   list.number("norm", options.norm, {.min = 1, .includes_infinity = true}, "p of the Lp norm of that error")
       .needs("hessian");
 }
@@ -158,8 +153,7 @@ void MetricLimits::describe(OptionList& list) {
       .zero("no bound", kUnbounded);
   list.number("complexity", complexity, above(0),
               "Sizes are scaled so that this mesh sees the complexity, about half the vertices of the "
-              "adapted one, with "
-              "all limits in force")
+              "adapted one, with all limits in force")
       .zero("as the sources say");
 }
 
@@ -175,8 +169,7 @@ void MetricRequest::describe(OptionList& list) {
   list.choice("frozen_sizes", frozen_sizes,
               {{"auto", Choice()}, {"on", Choice(true)}, {"off", Choice(false)}},
               "Near the boundary, sizes go over to those of its triangles, as a boundary that is not adapted "
-              "wants it; "
-              "auto: where run keeps the boundary",
+              "wants it; auto: where run keeps the boundary",
               {{"true", "auto"}, {"false", "off"}});
 }
 

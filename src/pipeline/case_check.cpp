@@ -101,8 +101,7 @@ void check_metric(const Case& c) {
   if (m.source<metric::TensorSource>().is_wanted() || m.source<metric::HessianSource>().is_wanted())
     refuse(
         "[metric] metric and hessian have a value for each vertex of a mesh that is there; use `lumesh "
-        "metric` and "
-        "`lumesh adapt` on that mesh");
+        "metric` and `lumesh adapt` on that mesh");
   if (m.limits.complexity > 0 && !m.has_source())
     refuse("[metric] complexity has nothing to scale; give points, velocity, curvature or analytic");
 }

@@ -185,8 +185,7 @@ std::string stage_times(const CaseReport& report) {
   html += "</table>";
   if (report.seconds > sum + 0.005)
     html += fmt::format(
-        "<p class=\"note\">{} went into reading, writing, measuring and drawing between the "
-        "steps.</p>",
+        "<p class=\"note\">{} went into reading, writing, measuring and drawing between the steps.</p>",
         duration(report.seconds - sum));
   return section("Step by step", html);
 }

@@ -70,8 +70,7 @@ std::string curvature_section(const SurfacePicture& drawn, const CurvatureSummar
   if (drawn.picture.width == 0) return "";
   const std::string caption = fmt::format(
       "<figcaption>Blue: hollow; grey: flat; red: convex. A straight vessel of radius R has 1 / (2 R). Root "
-      "mean "
-      "square {:.3g}, mean {:.3g} 1/mm; 96 % of the wall have {:.3g} to {:.3g} 1/mm.</figcaption>",
+      "mean square {:.3g}, mean {:.3g} 1/mm; 96 % of the wall have {:.3g} to {:.3g} 1/mm.</figcaption>",
       curvature.root_mean_square_per_mm, curvature.mean_per_mm, curvature.p2_per_mm, curvature.p98_per_mm);
   return section("Mean curvature of the wall",
                  "<figure>" + image_tag(drawn.picture, "Mean curvature of the wall") + caption + "</figure>" +

@@ -97,15 +97,13 @@ std::string scale_html(const ColourScale& scale) {
   for (const Colour& colour : scale.stops) stops += (stops.empty() ? "" : ",") + colour.css();
   return fmt::format(
       "<div class=\"scale\"><span>{}</span><span class=\"ramp\" "
-      "style=\"background:linear-gradient(90deg,{})\">"
-      "</span><span>{}</span></div>",
+      "style=\"background:linear-gradient(90deg,{})\"></span><span>{}</span></div>",
       escaped(scale.low), stops, escaped(scale.high));
 }
 
 std::string page_begin(const std::string& title, const std::string& kind) {
-  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><link rel=\"icon\" "
-         "href=\"data:,\"><title>" +
+  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+         "content=\"width=device-width, initial-scale=1\"><link rel=\"icon\" href=\"data:,\"><title>" +
          escaped(title) + " – " + kind + "</title>\n<style>" + kPageStyle + "</style></head>\n<body><main>\n";
 }
 

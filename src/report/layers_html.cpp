@@ -48,8 +48,7 @@ std::string reasons_html(const LayerReport& report) {
       if (c.limited[i] >= kMinShare)
         rows += fmt::format(
             "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"share\"><i "
-            "style=\"width:{:.1f}%\"></i></td>"
-            "<td>{}</td></tr>\n",
+            "style=\"width:{:.1f}%\"></i></td><td>{}</td></tr>\n",
             escaped(c.patch), name_of(static_cast<LayerLimit>(i)), std::min(100.0, 100 * c.limited[i]),
             percent(c.limited[i]));
   if (rows.empty()) return "";

@@ -71,8 +71,7 @@ std::string upright_ticks(const UprightAxis& axis, double width, const Label& la
     const double y = axis.y(value);
     svg += fmt::format(
         "<line class=\"axis\" x1=\"0\" x2=\"{0:.0f}\" y1=\"{1:.1f}\" y2=\"{1:.1f}\" stroke-dasharray=\"2 "
-        "4\"/>"
-        "<text x=\"-8\" y=\"{2:.1f}\" text-anchor=\"end\">{3}</text>",
+        "4\"/><text x=\"-8\" y=\"{2:.1f}\" text-anchor=\"end\">{3}</text>",
         width, y, y + 4, label(value));
   }
   return svg;

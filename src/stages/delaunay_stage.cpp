@@ -115,8 +115,7 @@ DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& req
   if (static_cast<double>(made.report.criterion_asks) > kMany * made.mesh.tet_count())
     made.report.notes.push_back(
         fmt::format("the criterion would still refine {} of {} tetrahedra, next to surfaces for the most "
-                    "part, whose points "
-                    "stand as `delta` says; a smaller one leaves fewer",
+                    "part, whose points stand as `delta` says; a smaller one leaves fewer",
                     made.report.criterion_asks, made.mesh.tet_count()));
   return made;
 }

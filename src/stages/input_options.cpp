@@ -99,8 +99,7 @@ void ImageSelection::describe(OptionList& list, bool has_probabilities) {
   if (has_probabilities)
     list.path("probabilities", probabilities,
               "Image of the object's probability, 0 to 1, on the label image's grid, which places the "
-              "boundary between "
-              "voxels")
+              "boundary between voxels")
         .excludes("threshold")
         .excludes("below")
         .excludes("level_set")

@@ -43,12 +43,10 @@ void LayerRequest::describe(OptionList& list) {
   options.describe(list);
   list.text("into", into,
             "Inwards, in a mesh of several labels: the one that is deformed, by name or number; none: the "
-            "only one at "
-            "the patches");
+            "only one at the patches");
   list.text("label", label,
             "Label of the layers: NAME=NUMBER, NAME or NUMBER; none: vessel_wall (inwards layer), the next "
-            "free number. "
-            "That of the mesh beside them makes one region of both");
+            "free number. That of the mesh beside them makes one region of both");
 }
 
 void LayerRequest::validate() const {

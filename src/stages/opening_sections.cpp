@@ -116,8 +116,7 @@ std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<con
   if (is_hollow_of_background(opening, openings))
     return fmt::format(
         "{} at {} is the section of a wall whose lumen has no label: at the border its area may be a tenth "
-        "off; give "
-        "the lumen a label, or cut some voxels further in with {}",
+        "off; give the lumen a label, or cut some voxels further in with {}",
         opening.name, place_text(opening.centre_mm), "`cut_plane`");
   const double off = opening.area_mm2 - voxels.area_mm2;
   if (std::abs(off) <= kShare * voxels.area_mm2 + kVoxels * std::sqrt(voxels.area_mm2 * voxels.face_mm2))

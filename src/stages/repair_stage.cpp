@@ -101,8 +101,7 @@ void RepairRequest::describe(OptionList& list) {
       "method", method,
       {{"auto", RepairMethod::kAuto}, {"local", RepairMethod::kLocal}, {"rebuild", RepairMethod::kRebuild}},
       "local: what is sound stays to the last bit; rebuild: made anew of what is inside; auto: rebuilt where "
-      "local "
-      "repair fails");
+      "local repair fails");
 }
 
 void RepairRequest::validate() const {

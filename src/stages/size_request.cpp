@@ -66,14 +66,12 @@ void SizeRequest::describe(OptionList& list) {
   list.of_labels("label_size", label_sizes, above(0), "Size inside a label").in("mm");
   list.path("size_points", points,
             "Elements grow with the distance to these points, by adapt_const, or in sizes from size_floor on "
-            "or of size_k "
-            "points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the centerline",
+            "or of size_k points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the centerline",
             {"centerline"});
   list.number("adapt_const", adapt_const, above(0),
               "Instead of sizes, the paper's algorithm 3: tetrahedra are refined that have an edge of more "
-              "than so many "
-              "distances from its ends to the nearest of the size_points. size_floor is a length below which "
-              "edges stay")
+              "than so many distances from its ends to the nearest of the size_points. size_floor is a "
+              "length below which edges stay")
       .zero("2 without size_floor and size_k")
       .needs("size_points")
       .excludes("size_k")
@@ -125,9 +123,8 @@ void SizeRequest::validate() const {
 void describe_cells_per_diameter(OptionList& list, double& cells) {
   list.number("cells_per_diameter", cells, between(1, 25),
               "About so many edges along the diameter of each vessel, or more where the edge length is "
-              "shorter. The "
-              "diameter is that of the axis that is the fewest of its radii away: a sac gets the size of its "
-              "vessel")
+              "shorter. The diameter is that of the axis that is the fewest of its radii away: a sac gets "
+              "the size of its vessel")
       .zero("none");
 }
 

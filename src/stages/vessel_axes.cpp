@@ -94,8 +94,7 @@ AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const Cut
     throw Error(
         ErrorKind::kBadInput,
         fmt::format(
-            "no vessel runs at {}: the nearest axis is {:.2g} radii away; lumesh centerline writes the "
-            "axes",
+            "no vessel runs at {}: the nearest axis is {:.2g} radii away; lumesh centerline writes the axes",
             place_text(place), found.off_radii));
   const Vec3& foot = found.across.point_mm;
   const bool is_gone = std::ranges::any_of(before, [&](const CutPlane& plane) {
