@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "label_pairs.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/field/continuation.hpp"
@@ -93,17 +94,6 @@ class ContinuedFieldBuilder {
     return pairs;
   }
 
-  [[nodiscard]] std::vector<LabelIndex> labels_in(const Index3& brick) const {
-    std::vector<LabelIndex> labels;
-    const Index3 first = first_stored(brick);
-    for_each_place(first, first + Index3::Constant(kStored - 1), [&](const Index3& voxel) {
-      const LabelIndex label = image_.at(clamped(voxel));
-      if (std::ranges::find(labels, label) == labels.end()) labels.push_back(label);
-    });
-    std::ranges::sort(labels);
-    return labels;
-  }
-
   [[nodiscard]] Plan plan_of(const Index3& brick) const {
     constexpr int kBefore = 4, kBehind = 10;  // What it stores, and faces that are near.
     Plan plan;
@@ -119,7 +109,8 @@ class ContinuedFieldBuilder {
       if (plan.pairs.empty())
         plan.code = -1 - image_.at(clamped(middle));
       else
-        plan.labels = labels_in(brick);
+        plan.labels = field::labels_in(
+            image_, {first_stored(brick), first_stored(brick) + Index3::Constant(kStored - 1)});
     }
     return plan;
   }

@@ -125,24 +125,12 @@ class LabelFieldBuilder {
     f_.active_.resize(place_.size());
   }
 
-  /// Labels of the voxels that a brick stores, ascending.
-  std::vector<LabelIndex> labels_in(std::size_t brick) const {
-    std::vector<LabelIndex> labels;
-    const Index3 first = brick_index(place_[brick]) * kBrick + Index3::Constant(kFirstStored);
-    LabelIndex last = 0;
-    for_each_place(first, first + Index3::Constant(kStored - 1), [&](const Index3& voxel) {
-      const LabelIndex label = image_.at(clamped(voxel));
-      if (!labels.empty() && label == last) return;
-      last = label;
-      if (std::ranges::find(labels, label) == labels.end()) labels.push_back(label);
-    });
-    std::ranges::sort(labels);
-    return labels;
-  }
-
   void collect_labels() {
     std::vector<std::vector<LabelIndex>> sets(place_.size());
-    parallel::for_each_index(place_.size(), 16, [&](std::size_t b) { sets[b] = labels_in(b); });
+    parallel::for_each_index(place_.size(), 16, [&](std::size_t b) {
+      const Index3 first = brick_index(place_[b]) * kBrick + Index3::Constant(kFirstStored);
+      sets[b] = field::labels_in(image_, {first, first + Index3::Constant(kStored - 1)});
+    });
     std::uint32_t corners = 0;
     for (std::size_t b = 0; b < sets.size(); ++b) {
       Brick& brick = f_.active_[b];

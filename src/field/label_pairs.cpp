@@ -105,4 +105,18 @@ std::vector<PairFaces> touching_pairs(const LabelImage& image) {
   return pairs;
 }
 
+std::vector<LabelIndex> labels_in(const LabelImage& image, const IndexBox& box) {
+  const Index3 border = image.frame().size - Index3::Ones();
+  std::vector<LabelIndex> labels;
+  LabelIndex last = 0;
+  for_each_place(box.low, box.high, [&](const Index3& voxel) {
+    const LabelIndex label = image.at(voxel.cwiseMax(0).cwiseMin(border));
+    if (!labels.empty() && label == last) return;
+    last = label;
+    if (std::ranges::find(labels, label) == labels.end()) labels.push_back(label);
+  });
+  std::ranges::sort(labels);
+  return labels;
+}
+
 }  // namespace lumesh::field

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh::field {
@@ -39,5 +40,8 @@ struct PairFaces {
 
 /// Ascending by the pair. Cost: one pass over the image.
 [[nodiscard]] std::vector<PairFaces> touching_pairs(const LabelImage& image);
+
+/// Labels of the voxels of a box, ascending; those outside the image count as the nearest ones in it.
+[[nodiscard]] std::vector<LabelIndex> labels_in(const LabelImage& image, const IndexBox& box);
 
 }  // namespace lumesh::field

@@ -155,10 +155,9 @@ class GmshReader {
   }
 
   void read_point() {
-    const double x = scanner_.real("a coordinate");
-    const double y = scanner_.real("a coordinate");
-    const double z = scanner_.real("a coordinate");
-    builder_.add_point({x, y, z});
+    Vec3 point;
+    for (double& x : point) x = scanner_.real("a coordinate");
+    builder_.add_point(point);
   }
 
   void read_nodes_41() {

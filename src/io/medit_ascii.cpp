@@ -51,11 +51,10 @@ void write_block(OutputFile& file, const CellBlock& block, std::int32_t tag_offs
 void read_vertices(TextScanner& scanner, MeshBuilder& builder) {
   const std::size_t count = scanner.count("the number of vertices", 4);
   for (std::size_t i = 0; i < count; ++i) {
-    const double x = scanner.real("a coordinate");
-    const double y = scanner.real("a coordinate");
-    const double z = scanner.real("a coordinate");
+    Vec3 point;
+    for (double& x : point) x = scanner.real("a coordinate");
     scanner.integer("a vertex reference");
-    builder.add_point({x, y, z});
+    builder.add_point(point);
   }
 }
 

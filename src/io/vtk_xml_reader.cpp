@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 
 #include "file_fault.hpp"
 #include "lumesh/core/base64.hpp"
@@ -205,30 +206,16 @@ std::vector<Value> VtkXmlReader::values(const pugi::xml_node& array, const char*
     return out;
   }
   const std::vector<unsigned char> raw = bytes(array, what);
-  bool good = true;
-  if (type == "Float64")
-    good = convert_all<double>(raw, out);
-  else if (type == "Float32")
-    good = convert_all<float>(raw, out);
-  else if (type == "Int64")
-    good = convert_all<std::int64_t>(raw, out);
-  else if (type == "UInt64")
-    good = convert_all<std::uint64_t>(raw, out);
-  else if (type == "Int32")
-    good = convert_all<std::int32_t>(raw, out);
-  else if (type == "UInt32")
-    good = convert_all<std::uint32_t>(raw, out);
-  else if (type == "Int16")
-    good = convert_all<std::int16_t>(raw, out);
-  else if (type == "UInt16")
-    good = convert_all<std::uint16_t>(raw, out);
-  else if (type == "Int8")
-    good = convert_all<std::int8_t>(raw, out);
-  else if (type == "UInt8")
-    good = convert_all<std::uint8_t>(raw, out);
-  else
-    fail(fmt::format("{} has the unknown type {}", what, type));
-  if (!good) fail(fractions);
+  using Convert = bool (*)(const std::vector<unsigned char>&, std::vector<Value>&);
+  static const std::map<std::string_view, Convert> kConversions = {
+      {"Float64", convert_all<double>},     {"Float32", convert_all<float>},
+      {"Int64", convert_all<std::int64_t>}, {"UInt64", convert_all<std::uint64_t>},
+      {"Int32", convert_all<std::int32_t>}, {"UInt32", convert_all<std::uint32_t>},
+      {"Int16", convert_all<std::int16_t>}, {"UInt16", convert_all<std::uint16_t>},
+      {"Int8", convert_all<std::int8_t>},   {"UInt8", convert_all<std::uint8_t>}};
+  const auto convert = kConversions.find(type);
+  if (convert == kConversions.end()) fail(fmt::format("{} has the unknown type {}", what, type));
+  if (!convert->second(raw, out)) fail(fractions);
   return out;
 }
 
