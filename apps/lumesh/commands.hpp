@@ -5,23 +5,10 @@
 
 namespace lumesh::cli {
 
-void add_adapt_command(CLI::App& program);
-void add_centerline_command(CLI::App& program);
-void add_check_command(CLI::App& program);
-void add_convert_command(CLI::App& program);
-void add_delaunay_command(CLI::App& program);
-void add_evaluate_command(CLI::App& program);
-void add_improve_command(CLI::App& program);
-void add_info_command(CLI::App& program);
-void add_lattice_command(CLI::App& program);
-void add_layers_command(CLI::App& program);
-void add_merge_command(CLI::App& program);
-void add_metric_command(CLI::App& program);
-void add_phantom_command(CLI::App& program);
-void add_rename_command(CLI::App& program);
-void add_repair_command(CLI::App& program);
-void add_run_command(CLI::App& program);
-void add_options_command(CLI::App& program);
-void add_completion_command(CLI::App& program);
+using AddCommand = void(CLI::App& program);
+AddCommand add_adapt_command, add_centerline_command, add_check_command, add_convert_command,
+    add_delaunay_command, add_evaluate_command, add_improve_command, add_info_command, add_lattice_command,
+    add_layers_command, add_merge_command, add_metric_command, add_phantom_command, add_rename_command,
+    add_repair_command, add_run_command, add_options_command, add_completion_command;
 
 }  // namespace lumesh::cli
