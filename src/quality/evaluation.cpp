@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <utility>
 
 #include "lumesh/core/error.hpp"
@@ -156,21 +158,23 @@ void add_voxels_kept(const MeshView& mesh, const MeshSurface& surface, const Eva
   evaluation.image->voxels_kept = kept.all;
 }
 
-/// One line for all branches that the mesh tightens.
-std::string tightened_warning(const std::vector<NarrowestSection>& sections) {
+/// One line for all branches whose narrowest section is tightened, or widened.
+std::string sections_warning(std::span<const NarrowestSection> sections,
+                             bool (NarrowestSection::*is_so)() const, double percent, const char* what) {
   const NarrowestSection* worst = nullptr;
-  std::size_t tightened = 0;
+  std::size_t count = 0;
   for (const NarrowestSection& section : sections) {
-    if (!section.tightened()) continue;
-    ++tightened;
-    if (!worst || section.change_percent() < worst->change_percent()) worst = &section;
+    if (!(section.*is_so)()) continue;
+    ++count;
+    if (!worst || std::abs(section.change_percent()) > std::abs(worst->change_percent())) worst = &section;
   }
   if (!worst) return "";
   return fmt::format(
-      "{} of {} branches {} more than {:g} % narrower in the mesh than in the voxels; branch {} by {:.1f} %: "
+      "{} of {} branches {} more than {:g} % {} in the mesh than in the voxels; branch {} by {:.1f} %: "
       "{:.4g} of {:.4g} mm² at {}",
-      tightened, sections.size(), tightened == 1 ? "is" : "are", kTightenedPercent, worst->branch,
-      -worst->change_percent(), worst->mesh_area_mm2, worst->voxel_area_mm2, place_text(worst->centre_mm));
+      count, sections.size(), count == 1 ? "is" : "are", percent, what, worst->branch,
+      std::abs(worst->change_percent()), worst->mesh_area_mm2, worst->voxel_area_mm2,
+      place_text(worst->centre_mm));
 }
 
 void add_sections(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
@@ -178,10 +182,14 @@ void add_sections(const MeshView& mesh, const MeshSurface& surface, const Evalua
   evaluation.sections = context.phase("narrowest sections", [&] {
     return find_narrowest_sections(mesh, surface, *input.image, *input.axes, input.cut_planes);
   });
-  const std::string warning = tightened_warning(*evaluation.sections);
-  if (warning.empty()) return;
-  evaluation.warnings.push_back(warning);
-  context.warn(warning);
+  using Section = NarrowestSection;
+  for (const std::string& warning :
+       {sections_warning(*evaluation.sections, &Section::tightened, kTightenedPercent, "narrower"),
+        sections_warning(*evaluation.sections, &Section::widened, kWidenedPercent, "wider")}) {
+    if (warning.empty()) continue;
+    evaluation.warnings.push_back(warning);
+    context.warn(warning);
+  }
 }
 
 void add_openings(const MeshView& mesh, const EvaluationInput& input, Evaluation& evaluation,

@@ -211,7 +211,7 @@ std::string narrowest_section(const Evaluation& e) {
   for (const NarrowestSection& s : sections) {
     if (table.size() > kMaxRows) break;
     table.push_back({std::to_string(s.branch), five_digits(s.mesh_area_mm2), five_digits(s.voxel_area_mm2),
-                     marked(!s.tightened(), fmt::format("{:+.1f} %", s.change_percent())),
+                     marked(!s.tightened() && !s.widened(), fmt::format("{:+.1f} %", s.change_percent())),
                      table_place(s.centre_mm), direction_text(s.direction)});
   }
   return section(

@@ -196,7 +196,8 @@ Json to_json(const std::vector<NarrowestSection>& sections) {
                     {"mesh_area_mm2", s.mesh_area_mm2},
                     {"voxel_area_mm2", s.voxel_area_mm2},
                     {"change_percent", s.change_percent()},
-                    {"tightened", s.tightened()}});
+                    {"tightened", s.tightened()},
+                    {"widened", s.widened()}});
   return json;
 }
 

@@ -209,9 +209,12 @@ std::string sections_text(std::vector<NarrowestSection> sections) {
                                  "voxels mm²", "change", "at mm");
   for (std::size_t i = 0; i < std::min(kMaxBranches, sections.size()); ++i) {
     const NarrowestSection& s = sections[i];
-    text += fmt::format("  branch {:<15}{:>12}{:>13}{:>9.1f} %  {}{}\n", s.branch,
-                        five_digits(s.mesh_area_mm2), five_digits(s.voxel_area_mm2), s.change_percent(),
-                        decimals_text(s.centre_mm, 1), s.tightened() ? "  TIGHTENED" : "");
+    text +=
+        fmt::format("  branch {:<15}{:>12}{:>13}{:>9.1f} %  {}{}\n", s.branch, five_digits(s.mesh_area_mm2),
+                    five_digits(s.voxel_area_mm2), s.change_percent(), decimals_text(s.centre_mm, 1),
+                    s.tightened() ? "  TIGHTENED"
+                    : s.widened() ? "  WIDENED"
+                                  : "");
   }
   if (sections.size() > kMaxBranches)
     text += fmt::format("  … {} more branches that lose less\n", sections.size() - kMaxBranches);

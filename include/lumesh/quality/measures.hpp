@@ -238,8 +238,9 @@ struct LabelReference {
   std::optional<DistanceSummary> normal_angle_deg;
 };
 
-/// A branch counts as tightened if its mesh is narrower than its voxels by more than this.
-inline constexpr double kTightenedPercent = 3;
+/// A branch counts as tightened if its mesh is narrower than its voxels by more than this, as widened if it
+/// is wider by more than that: the least area of voxels' stairs is some per cent too small.
+inline constexpr double kTightenedPercent = 3, kWidenedPercent = 10;
 
 /// The section of one branch with the least area in the mesh, on a plane square to the branch's axis.
 struct NarrowestSection {
@@ -253,6 +254,7 @@ struct NarrowestSection {
   /// Excess of the mesh's area over that of the voxels; negative: it is narrower.
   [[nodiscard]] double change_percent() const { return 100 * (mesh_area_mm2 / voxel_area_mm2 - 1); }
   [[nodiscard]] bool tightened() const { return change_percent() < -kTightenedPercent; }
+  [[nodiscard]] bool widened() const { return change_percent() > kWidenedPercent; }
 };
 
 /// A way in which the topology of a label differs from that of its voxels.

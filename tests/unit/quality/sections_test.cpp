@@ -82,6 +82,13 @@ TEST(Sections, ALessTightThroatIsNoWarning) {
   EXPECT_FALSE(found[0].tightened());
 }
 
+TEST(Sections, AThroatThatIsIronedOutIsWidened) {
+  const auto found = find(square_vessel({6, 4.4}), square_voxels({6, 4}), axis(0, 48, 3));
+  EXPECT_NEAR(found.at(0).change_percent(), 21, 1e-6);
+  EXPECT_TRUE(found[0].widened());
+  EXPECT_FALSE(find(square_vessel({6, 4.1}), square_voxels({6, 4}), axis(0, 48, 3)).at(0).widened());
+}
+
 TEST(Sections, TurnedImagesAndOtherSpacingsGiveTheSamePercentage) {
   LabelImage image = square_voxels({6, 4});
   MixedMesh mesh = square_vessel({6, 3.8});
