@@ -17,6 +17,7 @@
 #include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/repair.hpp"
 #include "lumesh/surface/rims.hpp"
+#include "lumesh/surface/shells.hpp"
 #include "surface_rebuild.hpp"
 
 namespace lumesh {
@@ -69,11 +70,15 @@ const Vec3* place_of_opening(const std::vector<surfaces::Rim>& rims, const Trian
                           place_text(place), option_name("max_distance")));
 }
 
-/// The checker's last word.
+/// The checker's last word, and whether each piece encloses anything.
 void require_no_faults(const TriangleMesh& result, const std::string& consequence) {
   for (const Finding& finding : surfaces::findings_of(result.points, result.triangles))
     if (finding.severity == Severity::kFault)
       refuse(consequence + finding.text, finding.places_mm.empty() ? result.points[0] : finding.places_mm[0]);
+  TriangleMesh turned = result;
+  const surfaces::Parts parts = surfaces::turn_alike(turned);
+  for (const surfaces::Shell& shell : surfaces::shells_of(turned.points, turned.triangles, parts))
+    if (shell.volume_mm3 == 0) refuse("it encloses nothing", shell.place_mm);
 }
 
 void rebuild(const MixedMesh& given, RepairOutcome& outcome, TriangleMesh& result, Context& context) {

@@ -200,6 +200,12 @@ class CheckTest(ProgramTest):
         self.assertNotIn("self_intersections", self.check(self.out))
         self.run_well("delaunay", self.out, "-o", self.folder / "mesh.vtu", "--delta", "1", "-q")
 
+    def test_what_encloses_nothing_is_not_written(self):
+        flat = self.folder / "flat.off"
+        flat.write_text("OFF\n4 2 0\n0 0 0\n1 0 0\n2 0 0\n3 0 0\n3 0 1 2\n3 1 2 3\n")
+        self.assert_refused(self.run_lumesh("repair", flat, "-o", self.out), NOT_REACHED, "encloses nothing")
+        self.assertFalse(self.out.exists())
+
     def test_a_distance_that_is_none_is_refused(self):
         self.write(tube(10))
         for text in ("0", "-1%", "wide", "nan"):
