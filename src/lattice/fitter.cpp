@@ -214,7 +214,7 @@ double Fitter::worst_angles(std::span<const std::uint32_t> vertices) const {
 }
 
 /// Places to try in the cut planes of a vertex: those that its star allows, the nearest to where it belongs
-/// first; where it allows none, those that others may give way for: the nearest, and that of the best angles.
+/// first; where it allows none, those for which others may move: the nearest, and that of the best angles.
 std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v, double floor) const {
   constexpr int kDirections = 16;
   const MaterialSet& set = boundary_.sets[v];

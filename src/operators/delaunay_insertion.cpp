@@ -74,7 +74,7 @@ TetId DelaunayKernel<Lock>::locate(const Vec3& point, VertexId near) {
     if (face < 0) return t;
     LUMESH_DEBUG_ASSERT(!mesh_->link(t, face).is_boundary());
     // Others want to pass, too. This tetrahedron stays held: from one vertex of it the walk could begin again
-    // at the other end of what it has crossed, and would then never come by a vertex of many tetrahedra.
+    // at the other end of what it has crossed, and would then never reach a vertex of many tetrahedra.
     if (lock_.mark() >= kMaxHeld) lock_.keep_only(mesh_->tet(t));
     t = mesh_->link(t, face).tet();
   }

@@ -11,7 +11,7 @@ struct OutsideSize {
 
 /// Area around all voxels that are not background. Faces at the border of the image, where openings will be,
 /// are left out; of the others two thirds count, since squares between voxels have 1.5 times the area of a
-/// smooth surface, on average over its directions. Parallel inside, the same bits for every thread count.
+/// smooth surface, on average over its directions. Parallel inside, bitwise identical for every thread count.
 [[nodiscard]] OutsideSize outside_of(const LabelImage& image);
 
 }  // namespace lumesh::pipeline

@@ -48,14 +48,14 @@ Closed closed_for_meshing(MixedMesh surface) {
   }
 }
 
-/// Faults are what meshing refuses: those of a surface that it mends itself, as holes, are remarks.
+/// Faults are what meshing refuses: those that it repairs itself, as holes, are remarks.
 void judge_as_meshing(const Closed& closed, CheckReport& report) {
   if (closed.refusal.empty()) {
     for (Finding& finding : report.findings) {
       if (finding.severity != Severity::kFault) continue;
       finding.severity = Severity::kRemark;
       finding.text +=
-          finding.kind == "holes" ? "; they are filled when meshed" : "; closing the holes mends them";
+          finding.kind == "holes" ? "; they are filled when meshed" : "; closing the holes repairs them";
     }
   } else if (report.is_fit()) {
     report.findings.push_back({"refused", Severity::kFault, 1, closed.refusal, "", {}});

@@ -73,7 +73,8 @@ struct ExtendedImage {
 /// @param domain  Of the image. @param openings  find_openings() of it.
 /// @throws Error{kBadInput} if an opening that is named does not exist, or if the grid of the extended image,
 /// around the object and extensions, would have more than four times the image's voxels and more than
-/// 2^27. Cost: a copy of voxels and field. Threads: parallel inside, same bits for every thread count.
+/// 2^27. Cost: a copy of voxels and field. Threads: parallel inside, bitwise identical for every thread
+/// count.
 [[nodiscard]] ExtendedImage extend_openings(const LabelImage& image, const ImageDomain& domain,
                                             std::span<const Opening> openings,
                                             const ExtensionOptions& options);
