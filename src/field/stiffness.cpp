@@ -30,6 +30,7 @@ constexpr float kBeyondNoise = 0.0375F;  // what has been taken for noise and co
 // Nor is what violates sides by more than this in one direction, by these shares of both directions, in the
 // mean over the narrow and the wide window: a stenosis or a bulge that was ironed out.
 constexpr float kOneWay = 0.008F, kOneWayNarrow = 0.8F, kOneWayWide = 0.5F;
+constexpr float kIronedRadius = 4;   // of vessels, voxels; in thicker ones it is a crease, as at a crotch
 constexpr float kTurning = 0.05F;    // least eigenvalue of the mean of n n^T at ends and corners; 0 on tubes
 constexpr float kThinShare = 0.05F;  // windows with more thin voxels than this are not judged
 constexpr float kNoiseHold =
@@ -155,6 +156,25 @@ struct StiffnessLoops {
             mask_of(taken[at]) ? load(a.last_logarithm_.at(s)) : load(a.logarithm_.at(s)));
     }
   }
+  /// What the curvature at the object's boundary voxels exceeds that of a tube of kIronedRadius by: F is
+  /// (R^2 - r^2) / 2R in tubes of radius R.
+  static LUMESH_WIDE_LOOPS void excess_curvature(const FitState& state,
+                                                 const std::array<float, 3>& per_square, int begin, int end,
+                                                 LaneArray& out) {
+    const Band& band = state.band;
+    for (int s = begin; s < end; ++s) {
+      const auto bits = static_cast<std::uint8_t>(band.boundary(s) & band.plus(s) & band.in_image(s));
+      if (bits == 0) {
+        store(out.at(s), Lanes{});
+        continue;
+      }
+      const Stencil u = gather(band.rows(s), s, state.values.data());
+      const Lanes laplacian = per_square[0] * (u.x1 + u.xm - 2 * u.o) +
+                              per_square[1] * (u.y1 + u.ym - 2 * u.o) +
+                              per_square[2] * (u.z1 + u.zm - 2 * u.o);
+      store(out.at(s), keep_numbers(keep(-laplacian - 2 / kIronedRadius, mask_of(bits))));
+    }
+  }
   /// Windows of violations at all voxels and at the boundary, with and without their sign.
   struct ViolationSums {
     const LaneArray& all_wide;
@@ -163,17 +183,20 @@ struct StiffnessLoops {
   };
   /// Unlocks where sides are violated by more than noise does, or in one direction, and softens by three
   /// steps; one more follows.
-  static LUMESH_WIDE_LOOPS void unlock(StiffnessAdaptation& a, const ViolationSums& sums, int begin, int end,
-                                       Bits& unlocked) {
+  static LUMESH_WIDE_LOOPS void unlock(StiffnessAdaptation& a, const ViolationSums& sums,
+                                       const Bits& in_thin_vessels, int begin, int end, Bits& unlocked) {
     for (int s = begin; s < end; ++s) {
       const auto at = static_cast<std::size_t>(s);
+      if (a.locked_[at] == 0) continue;
       const Lanes narrow = load(a.boundary_narrow_.at(s)), wide = load(a.boundary_wide_.at(s));
       const Lanes wrong = load(sums.all_wide.at(s)), one_way = size_of(load(a.wrong_sum_.at(s)));
       const LaneMask too_much = (wide > Lanes{} + kTiny) & (wrong > kBeyondNoise * wide);
       const LaneMask ironed_out = (narrow > Lanes{} + kTiny) & (one_way > kOneWay * narrow) &
                                   (one_way > kOneWayNarrow * load(sums.unsigned_narrow.at(s))) &
                                   (size_of(load(sums.signed_wide.at(s))) > kOneWayWide * wrong);
-      unlocked[at] = static_cast<std::uint8_t>(bits_of(too_much | ironed_out) & a.locked_[at]);
+      const auto bits = static_cast<std::uint8_t>(
+          bits_of(too_much) | (bits_of(ironed_out) & in_thin_vessels[at] & ~a.near_border_[at]));
+      unlocked[at] = static_cast<std::uint8_t>(bits & a.locked_[at]);
       a.locked_[at] = static_cast<std::uint8_t>(a.locked_[at] & ~unlocked[at]);
       a.beyond_noise_[at] = static_cast<std::uint8_t>(a.beyond_noise_[at] | unlocked[at]);
       const Lanes old = load(a.logarithm_.at(s)), lower = old - 3 * kStep;
@@ -381,11 +404,27 @@ bool StiffnessAdaptation::update(Step step, FitState& state) {
   return softened || took_back || unlocked;
 }
 
+/// Where the mean curvature of the boundary in the narrow window is that of thin vessels.
+StiffnessAdaptation::Bits StiffnessAdaptation::around_thin_vessels(FitState& state) {
+  const Vec3 squares = state.band.edges().cwiseProduct(state.band.edges()).cwiseInverse();
+  const std::array<float, 3> per_square = {static_cast<float>(squares.x()), static_cast<float>(squares.y()),
+                                           static_cast<float>(squares.z())};
+  for_each_segment_block(state.band.end(), [&](int begin, int end) {
+    StiffnessLoops::excess_curvature(state, per_square, begin, end, scratch_);
+  });
+  state.levels.sum_over_window(scratch_, Window::kNarrow, scratch_);
+  Bits thin(state.band.segment_count(), 0);
+  for_each_segment(state.band.end(),
+                   [&](int s, std::size_t at) { thin[at] = bits_of(load(scratch_.at(s)) > Lanes{}); });
+  return thin;
+}
+
 /// A crease, as between two vessels side by side, or a stenosis is ironed out like noise where a step of
 /// softening falls short of it. Then it violates more and more, or in one direction all around.
 bool StiffnessAdaptation::unlock(FitState& state) {
   if (!has_any(locked_)) return false;
   const Band& band = state.band;
+  const Bits in_thin_vessels = around_thin_vessels(state);
   LaneArray &all_wide = scratch_, &signed_wide = more_, &unsigned_narrow = other_;
   for_each_segment_block(band.end(), [&](int begin, int end) {
     StiffnessLoops::violations(state, turning_, thin_around_, begin, end, all_wide, signed_wide);
@@ -396,7 +435,8 @@ bool StiffnessAdaptation::unlock(FitState& state) {
   state.levels.sum_over_window(unsigned_narrow, Window::kNarrow, unsigned_narrow);
   Bits unlocked(band.segment_count(), 0);
   for_each_segment_block(band.end(), [&](int begin, int end) {
-    StiffnessLoops::unlock(*this, {all_wide, signed_wide, unsigned_narrow}, begin, end, unlocked);
+    StiffnessLoops::unlock(*this, {all_wide, signed_wide, unsigned_narrow}, in_thin_vessels, begin, end,
+                           unlocked);
   });
   return has_any(unlocked);
 }

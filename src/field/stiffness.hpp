@@ -33,6 +33,7 @@ class StiffnessAdaptation {
   void soften_medial_axis(FitState& state);
   void find_turning(const LaneArray& start, FitState& state);
   void measure(FitState& state);
+  [[nodiscard]] Bits around_thin_vessels(FitState& state);
   bool unlock(FitState& state);
   bool judge(FitState& state);
   bool soften(FitState& state);
