@@ -267,6 +267,7 @@ std::optional<RingCut> cut_back_ring(const TriangleMesh& surface, const Rim& out
 }
 
 std::optional<CutBack> cut_back(TriangleMesh& surface, const std::vector<Rim>& rims, std::size_t which) {
+  constexpr double kHole = 0.3;  // Of the rim's radius: holes up to here may be cut off with the end.
   const Rim& rim = rims[which];
   std::vector<std::uint8_t> may_go = flags_of(surface, rim);
   Reach own;
@@ -274,10 +275,12 @@ std::optional<CutBack> cut_back(TriangleMesh& surface, const std::vector<Rim>& r
   Reach all = own;
   bool is_alone = true;
   for (std::size_t r = which + 1; r < rims.size(); ++r) {
-    if (!may_be_of_one_cut(rim, rims[r])) continue;
+    const bool is_of_cut = may_be_of_one_cut(rim, rims[r]);
+    if (!is_of_cut && rims[r].radius_mm > kHole * rim.radius_mm) continue;
+    for (const std::uint32_t v : rims[r].vertices) may_go[v] = 1;
+    if (!is_of_cut) continue;
     all.include(surface, rim, rims[r]);
     is_alone = false;
-    for (const std::uint32_t v : rims[r].vertices) may_go[v] = 1;
   }
   const auto tried = [&](const Reach& reach, double edges) -> std::optional<CutBack> {
     const double depth_mm = -reach.lowest + edges * rim.mean_edge_mm;

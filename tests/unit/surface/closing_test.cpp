@@ -198,6 +198,31 @@ TEST(Closing, PinholesBecomeWall) {
   EXPECT_NEAR(volume_of(made.surface), whole, 1e-3 * whole);
 }
 
+/// A hole that the cut comes to, or that goes with what is cut off, took the opening away: both became wall.
+TEST(Closing, APinholeBesideABentEndLeavesTheOpening) {
+  const TriangleMesh bent = with_end_moved(open_tube({}), 48, [](std::uint32_t i) { return saddle(0.3, i); });
+  double top = 0;
+  for (const Vec3& p : bent.points) top = std::max(top, p.z());
+  const double circle = 0.5 * 48 * 9 * std::sin(2 * kPi / 48);
+  int count = 0;
+  for (std::size_t t = 0; t < bent.triangles.size(); t += 7) {
+    const Cell<3>& c = bent.triangles[t];
+    const auto is_within = [&](auto v) {
+      return v + 48 < bent.points.size() && bent.points[v].z() > top - 3;
+    };
+    if (!std::all_of(c.begin(), c.end(), is_within)) continue;
+    TriangleMesh tube = bent;
+    tube.triangles.erase(tube.triangles.begin() + static_cast<std::ptrdiff_t>(t));
+    tube.patches.pop_back();
+    const ClosedSurfaceMade made = closed(tube);
+    ASSERT_EQ(openings_of(made), 2U) << t;
+    const ClosedRim& end = upper(made);
+    EXPECT_NEAR(end.area_mm2 * std::abs(end.normal.z()), circle, 0.01 * circle) << t;
+    ++count;
+  }
+  EXPECT_GT(count, 10);
+}
+
 /// A cube of n squares along each edge without some of its squares.
 TriangleMesh cube_without(int n, const std::function<bool(const Vec3& middle)>& is_cut_out) {
   TriangleMesh cube;
