@@ -138,16 +138,25 @@ Shape cone(Random random) {
   return shape;
 }
 
-Shape stenosis(Random random) {
+/// A tube with a throat; the narrowing is a Gaussian along the axis, exp(-s^2 / square_of_length).
+Shape stenosis_of(double radius, double throat, double square_of_length, Random random) {
   auto [shape, c] = placed({72, 24, 24}, 2.5, random);
   const Vec3 axis = Vec3(1, 0.05, 0.03).normalized();
-  shape.depth_mm = [c, axis](const Vec3& p) {
+  shape.depth_mm = [=, c = c](const Vec3& p) {
     const double along = (p - c).dot(axis);
-    const double narrowing = 2.5 * std::exp(-along * along / 32);
-    const double slope = narrowing * along / 16;
-    return (5 - narrowing - (p - c - along * axis).norm()) / std::sqrt(1 + slope * slope);
+    const double narrowing = (radius - throat) * std::exp(-along * along / square_of_length);
+    const double slope = narrowing * along / (square_of_length / 2);
+    return (radius - narrowing - (p - c - along * axis).norm()) / std::sqrt(1 + slope * slope);
   };
   return shape;
+}
+
+Shape stenosis(Random random) {
+  return stenosis_of(5, 2.5, 32, random);
+}
+
+Shape short_stenosis(Random random) {
+  return stenosis_of(2.7, 1.7, 8.4, random);
 }
 
 Shape fork(Random random) {
@@ -406,8 +415,9 @@ std::vector<Case> all_cases() {
     cases.push_back(c);
   for (const Case& c :
        {plain("torus", torus), plain("sphere", sphere), plain("cone", cone), plain("stenosis", stenosis),
-        plain("sac", sac), plain("fork", fork), plain("two-tubes", two_tubes), plain("plate", flat_plate),
-        plain("plate-oblique", oblique_plate), plain("line", line), plain("tube-cut", cut_tube)})
+        plain("stenosis-short", short_stenosis), plain("sac", sac), plain("fork", fork),
+        plain("two-tubes", two_tubes), plain("plate", flat_plate), plain("plate-oblique", oblique_plate),
+        plain("line", line), plain("tube-cut", cut_tube)})
     cases.push_back(c);
   for (const double radius : {3.0, 5.0, 10.0})
     cases.push_back(with_error(tube_case(radius, fifteen), {.flipped_share = 0.05}));

@@ -156,7 +156,7 @@ struct StiffnessLoops {
             mask_of(taken[at]) ? load(a.last_logarithm_.at(s)) : load(a.logarithm_.at(s)));
     }
   }
-  /// What the curvature at the object's boundary voxels exceeds that of a tube of kIronedRadius by: F is
+  /// Excess of the curvature at the object's boundary voxels over that of a tube of kIronedRadius: F is
   /// (R^2 - r^2) / 2R in tubes of radius R.
   static LUMESH_WIDE_LOOPS void excess_curvature(const FitState& state,
                                                  const std::array<float, 3>& per_square, int begin, int end,
@@ -168,10 +168,8 @@ struct StiffnessLoops {
         store(out.at(s), Lanes{});
         continue;
       }
-      const Stencil u = gather(band.rows(s), s, state.values.data());
-      const Lanes laplacian = per_square[0] * (u.x1 + u.xm - 2 * u.o) +
-                              per_square[1] * (u.y1 + u.ym - 2 * u.o) +
-                              per_square[2] * (u.z1 + u.zm - 2 * u.o);
+      const Differences d = differences_of(gather(band.rows(s), s, state.values.data()));
+      const Lanes laplacian = per_square[0] * d.xx + per_square[1] * d.yy + per_square[2] * d.zz;
       store(out.at(s), keep_numbers(keep(-laplacian - 2 / kIronedRadius, mask_of(bits))));
     }
   }
@@ -384,7 +382,7 @@ void StiffnessAdaptation::find_turning(const LaneArray& start, FitState& state) 
   for (LaneArray* const sum : sums) sum->assign(band.end(), 0);
 }
 
-/// Violations of all voxels, and windows of those at the boundary.
+/// Violations of all voxels, and windows of those at the boundary (those with their sign stay in scratch_).
 void StiffnessAdaptation::measure(FitState& state) {
   for_each_segment_block(state.band.end(), [&](int begin, int end) {
     StiffnessLoops::violations(state, turning_, thin_around_, begin, end, wrong_, scratch_);
@@ -404,7 +402,7 @@ bool StiffnessAdaptation::update(Step step, FitState& state) {
   return softened || took_back || unlocked;
 }
 
-/// Where the mean curvature of the boundary in the narrow window is that of thin vessels.
+/// Lanes in whose narrow window the boundary's mean curvature is that of thin vessels.
 StiffnessAdaptation::Bits StiffnessAdaptation::around_thin_vessels(FitState& state) {
   const Vec3 squares = state.band.edges().cwiseProduct(state.band.edges()).cwiseInverse();
   const std::array<float, 3> per_square = {static_cast<float>(squares.x()), static_cast<float>(squares.y()),
@@ -424,14 +422,13 @@ StiffnessAdaptation::Bits StiffnessAdaptation::around_thin_vessels(FitState& sta
 bool StiffnessAdaptation::unlock(FitState& state) {
   if (!has_any(locked_)) return false;
   const Band& band = state.band;
-  const Bits in_thin_vessels = around_thin_vessels(state);
   LaneArray &all_wide = scratch_, &signed_wide = more_, &unsigned_narrow = other_;
+  state.levels.sum_over_window(scratch_, Window::kWide, signed_wide);  // Of what measure() has left there.
+  const Bits in_thin_vessels = around_thin_vessels(state);
   for_each_segment_block(band.end(), [&](int begin, int end) {
-    StiffnessLoops::violations(state, turning_, thin_around_, begin, end, all_wide, signed_wide);
-    StiffnessLoops::sizes(band, all_wide, begin, end, unsigned_narrow);
+    StiffnessLoops::sizes(band, wrong_, begin, end, unsigned_narrow);
   });
-  state.levels.sum_over_window(all_wide, Window::kWide, all_wide);
-  state.levels.sum_over_window(signed_wide, Window::kWide, signed_wide);
+  state.levels.sum_over_window(wrong_, Window::kWide, all_wide);
   state.levels.sum_over_window(unsigned_narrow, Window::kNarrow, unsigned_narrow);
   Bits unlocked(band.segment_count(), 0);
   for_each_segment_block(band.end(), [&](int begin, int end) {

@@ -214,7 +214,7 @@ TEST_F(WholeCase, AStopInAnyPhaseLeavesAValidMeshOrNothing) {
   case_.metric.source<metric::PointSource>().points = "centerline";
   case_.metric.source<metric::PointSource>().options.k = 20;
   case_.metric.limits.complexity = 1500;
-  constexpr int kStep = 16;  // Of some seventy phases.
+  constexpr int kStep = 16;  // Of 125 phases.
   int stopped = 0, kept = 0;
   for (int wanted = 0;; wanted += kStep) {
     std::filesystem::remove_all(folder_);
