@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the size budgets: what does not fit a reader's head does not get in.
 
-A file's lines; a function's lines, from the first of its signature to its closing brace; a function's cyclomatic
+A file's lines, those of a command fewer; a function's lines, from the first of its signature to its closing brace; a function's cyclomatic
 complexity (1 + branches), lambdas counted to the function around them. Exceptions, each with its reason, stand in
 scripts/size_exceptions.txt.
 
@@ -20,6 +20,16 @@ FUNCTION_LINES = 80
 FUNCTION_WARN_LINES = 60
 FUNCTION_P95_LINES = 50
 COMPLEXITY = 20
+COMMAND_LINES = 80
+
+# Files of apps/lumesh that are no command but what commands share, or whose command is not of a stage.
+NO_COMMANDS = {
+    "common.cpp": "checks and options of many commands",
+    "option_adapter.cpp": "options of the library as those of the command line",
+    "main.cpp": "main() and its exit codes",
+    "progress.cpp": "the line that tells how far a command is",
+    "completion.cpp": "words of shells, which no stage has",
+}
 
 # Spaces around && tell the operator from a reference to an rvalue: clang-format puts them there.
 BRANCH = re.compile(r"\b(?:if|for|while|case|catch)\b| && | \|\| |\s\?\s")
@@ -132,6 +142,15 @@ def faults_of_functions(functions):
             yield f"{place} has complexity {function.complexity}, limit {COMPLEXITY}", function
 
 
+def faults_of_commands(root, files):
+    """Command files that do more than parse, call and print."""
+    folder = pathlib.Path("apps/lumesh")
+    for path in files:
+        lines = (root / path).read_text().count("\n") if path.parent == folder and path.suffix == ".cpp" else 0
+        if lines > COMMAND_LINES and path.name not in NO_COMMANDS:
+            yield f"{path} has {lines} lines, limit {COMMAND_LINES} of a command: its work belongs to src/stages"
+
+
 def percentile(values, share):
     ordered = sorted(values)
     return ordered[min(len(ordered) - 1, int(share * len(ordered)))] if ordered else 0
@@ -155,7 +174,7 @@ def main():
         used.add(place)
         if place not in exceptions:
             faults.append(fault)
-    faults += sources.faults_of_nothing(files, root)
+    faults += [*faults_of_commands(root, files), *sources.faults_of_nothing(files, root)]
     faults += [f"scripts/size_exceptions.txt: {place} needs no exception any more" for place in exceptions.keys() - used]
     own = [function for function in functions if function.path.parts[0] in ("include", "internal", "src", "apps")]
     p95 = percentile([f.lines for f in own if f"{f.path}:{f.name}" not in exceptions], 0.95)

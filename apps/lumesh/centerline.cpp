@@ -25,8 +25,7 @@ struct CenterlineCommand {
 /// Refuses before work what could not be done.
 void check(CenterlineCommand& command) {
   CenterlineRequest& request = command.request;
-  if (!command.output_path.ends_with(".vtp"))
-    throw Error(ErrorKind::kUsage, command.output_path + ": unknown format of lines; use .vtp");
+  check_lines_file(command.output_path);
   const CLI::App& given = *command.run.command;
   if (is_mesh_file(request.path)) {
     require_not_given(given, options_of(request.selection),

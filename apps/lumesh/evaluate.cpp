@@ -19,18 +19,13 @@ struct EvaluateCommand {
   RunOptions run;
 };
 
-/// Refuses options of an image where there is none.
-void check_options(EvaluateCommand& command) {
-  if (command.request.image.empty())
-    require_not_given(*command.run.command, options_of(command.request.selection),
-                      "is for an image, and --image names none");
-}
-
 void run(EvaluateCommand& command) {
   CommandRun session(command.run);
   Context& context = session.context;
-  check_options(command);
-  const EvaluationRequest& request = command.request;
+  EvaluationRequest& request = command.request;
+  if (request.image.empty())
+    require_not_given(*command.run.command, options_of(request.selection),
+                      "is for an image, and --image names none");
   check_files({command.json_path, command.report_path, command.picture_path},
               {command.mesh_path, request.image, request.centerline, request.reference}, request.selection);
   request.validate();

@@ -1,5 +1,4 @@
 #include <memory>
-#include <optional>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -23,32 +22,23 @@ struct LayersCommand {
 void run(const LayersCommand& command) {
   CommandRun session(command.run);
   Context& context = session.context;
-  const auto& [wanted, extension] = command.request;
   const std::string &from = command.mesh_path, &to = command.output_path;
   command.request.validate();
-  if (!wanted.is_wanted() && !(command.json_path + command.report_path).empty())
+  if (!command.request.layers.is_wanted() && !(command.json_path + command.report_path).empty())
     throw Error(ErrorKind::kUsage, "--json and --report are about layers; give --first-height, too");
   check_volume_output(to);
-  if (wanted.options.cells == LayerCells::kPrisms && !is_mixed_volume_file(to))
-    throw Error(ErrorKind::kUsage, to + ": holds tetrahedra only; choose " +
-                                       formats_for(MeshUse::kWriteMixed) + ", or --cells tetrahedra");
+  command.request.require_held_by(to);
   check_output_folders({to, command.json_path, command.report_path});
   check_inputs_stay({command.json_path, command.report_path}, {from});
   MixedMesh input = context.phase("read", [&] { return read_mesh(from); });
   const OwnPoints own(input);
   const MeshView before = input.view();
-  std::optional<LayerResult> grown;
-  if (wanted.is_wanted()) grown = grow_layers_on(input, from, wanted, context);
-  std::optional<report::LayersOfMesh> layers;
-  if (grown) layers = report::measure_layers(before, *grown, context);
-  MixedMesh mesh = grown ? std::move(grown->mesh) : input;
-  extend_mesh(mesh, from, extension, wanted.options.cells, context);
+  report::LayeredMesh made = report::layer_mesh(input, from, command.request, context);
+  auto& [mesh, layers] = made;
   mesh.info.provenance = provenance_of(command.run.making(), from, input.info.provenance);
   own.bring_back(mesh);
   write_results(context, [&] { write_mesh(to, mesh.view()); });
-  say(command.run, "{}",
-      layers ? report::layers_text(to, *layers) : report::extension_text(to, before, mesh));
-  if (const std::string flat = layers ? layers->flat_cells_beside() : ""; !flat.empty()) context.warn(flat);
+  say(command.run, "{}", report::layered_mesh_text(to, before, made));
   if (layers)
     write_json(
         command.json_path,

@@ -34,8 +34,13 @@ void check_arrays(const std::filesystem::path& path, const Polylines& lines) {
 
 }  // namespace
 
+void check_lines_file(const std::filesystem::path& path) {
+  if (path.extension() != kLinesFormat)
+    io::fail(path, fmt::format("unknown format of lines; use {}", kLinesFormat), ErrorKind::kUsage);
+}
+
 void write_polylines(const std::filesystem::path& path, const Polylines& lines, const MeshInfo& info) {
-  if (path.extension() != ".vtp") io::fail(path, "lines are written as .vtp");
+  check_lines_file(path);
   check_arrays(path, lines);
   io::VtkXmlWriter writer(path, "PolyData");
   writer.print("<FieldData>\n");

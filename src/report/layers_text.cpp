@@ -49,11 +49,22 @@ LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report, double min
   return layers;
 }
 
-LayersOfMesh measure_layers(const MeshView& before, LayerResult& grown, Context& context) {
-  return context.phase("measures", [&] {
-    const quality::TetrahedronStatistics given = quality::measure(before).tetrahedra;
-    return measure_layers(grown.mesh.view(), std::move(grown.report), given.smallest_dihedral_deg.value);
-  });
+LayeredMesh layer_mesh(const MixedMesh& mesh, const std::string& name, const LayersAndExtension& request,
+                       Context& context) {
+  LayeredMesh made;
+  if (request.layers.is_wanted()) {
+    LayerResult grown = grow_layers_on(mesh, name, request.layers, context);
+    made.layers = context.phase("measures", [&] {
+      const quality::TetrahedronStatistics given = quality::measure(mesh.view()).tetrahedra;
+      return measure_layers(grown.mesh.view(), std::move(grown.report), given.smallest_dihedral_deg.value);
+    });
+    made.mesh = std::move(grown.mesh);
+    if (const std::string flat = made.layers->flat_cells_beside(); !flat.empty()) context.warn(flat);
+  } else {
+    made.mesh = mesh;
+  }
+  extend_mesh(made.mesh, name, request.extension, request.layers.options.cells, context);
+  return made;
 }
 
 std::string coverage_text(const LayerReport& report) {
@@ -85,8 +96,9 @@ std::string layers_text(const std::string& path, const LayersOfMesh& layers) {
              100 * layers.report.complete(), layers.core.tetrahedra.smallest_dihedral_deg.value);
 }
 
-std::string extension_text(const std::string& path, const MeshView& before, const MixedMesh& mesh) {
-  const std::size_t cells = mesh.view().cell_count();
+std::string layered_mesh_text(const std::string& path, const MeshView& before, const LayeredMesh& made) {
+  if (made.layers) return layers_text(path, *made.layers);
+  const std::size_t cells = made.mesh.view().cell_count();
   return fmt::format("{}: {} cells more, {} in all\n", path, cells - before.cell_count(), cells);
 }
 

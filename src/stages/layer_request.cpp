@@ -7,6 +7,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/parse_number.hpp"
+#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/stages/layers_stage.hpp"
 
@@ -67,6 +68,13 @@ void LayersAndExtension::validate() const {
     throw Error(ErrorKind::kUsage, fmt::format("give {} for layers, or {} for flow extensions",
                                                option_name("first_height"), option_name("extend")));
   extension.validate();
+}
+
+void LayersAndExtension::require_held_by(const std::string& path) const {
+  if (layers.options.cells == LayerCells::kPrisms && !is_mixed_volume_file(path))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}: holds tetrahedra only; choose {}, or set {} tetrahedra", path,
+                            formats_for(MeshUse::kWriteMixed), option_name("cells")));
 }
 
 LayerOptions LayerRequest::with_label() const {

@@ -247,6 +247,12 @@ class ChecksTest(unittest.TestCase):
         self.assert_finds("check_sizes.py", "include/lumesh/core/long.hpp has 401 lines, limit 400")
         self.assert_finds("check_sizes.py", "src/core/long.cpp has 801 lines, limit 800")
 
+    def test_sizes_finds_a_command_that_does_more_than_parse_call_and_print(self):
+        for name, lines in (("lattice.cpp", 81), ("adapt.cpp", 80), ("common.cpp", 81), ("usual.hpp", 81)):
+            self.write(f"apps/lumesh/{name}", "int a();\n" * lines)
+        self.assert_finds("check_sizes.py", "apps/lumesh/lattice.cpp has 81 lines, limit 80 of a command")
+        self.assertIn("; 1 faults", self.run_check("check_sizes.py")[1])
+
     def test_sizes_does_not_take_a_table_or_a_namespace_for_a_function(self):
         self.write("src/mesh/good.cpp", "namespace lumesh {\nconstexpr int kTable[] = {\n" + "  f(1),\n" * 90 + "};\n"
                    + "int one() { return 1; }\n" * 90 + "}\n")

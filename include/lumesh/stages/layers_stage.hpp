@@ -37,6 +37,8 @@ struct LayersAndExtension {
   void describe(OptionList& list);
   /// @throws Error{kUsage} that names the option, also where neither is wanted.
   void validate() const;
+  /// @throws Error{kUsage} if the mesh may have prisms, and files of this name hold tetrahedra only.
+  void require_held_by(const std::string& path) const;
 };
 
 /// As grow_layers(). Outwards the mesh may have hexahedra, pyramids and prisms, which stay as they are:

@@ -2,6 +2,7 @@
 /// @file What boundary layers achieved, for people and for programs.
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "lumesh/core/context.hpp"
@@ -9,6 +10,7 @@
 #include "lumesh/report/case_report.hpp"
 #include "lumesh/report/command_notes.hpp"
 #include "lumesh/report/picture.hpp"
+#include "lumesh/stages/layers_stage.hpp"
 
 namespace lumesh::report {
 
@@ -21,9 +23,17 @@ inline constexpr double kFlatDihedralDeg = 5;
 [[nodiscard]] LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report,
                                           double min_before_deg = 180);
 
-/// The same of layers that were just grown, before anything else changes the mesh; takes their report.
-/// @param before  The mesh that they grew on.
-[[nodiscard]] LayersOfMesh measure_layers(const MeshView& before, LayerResult& grown, Context& context);
+/// A mesh with layers, extensions of its openings, or both.
+struct LayeredMesh {
+  MixedMesh mesh;
+  std::optional<LayersOfMesh> layers;  ///< Without the extensions.
+};
+
+/// Makes what the request asks for: layers, measured before extensions change the mesh, and those.
+/// @param name  Of the mesh, for messages and warnings. @throws what grow_layers_on() and extend_mesh()
+/// throw.
+[[nodiscard]] LayeredMesh layer_mesh(const MixedMesh& mesh, const std::string& name,
+                                     const LayersAndExtension& request, Context& context);
 
 /// A table with a row for each patch, reasons and worst places below it; lines of at most 100 columns.
 [[nodiscard]] std::string coverage_text(const LayerReport& report);
@@ -31,9 +41,10 @@ inline constexpr double kFlatDihedralDeg = 5;
 /// The same, and a line on the whole mesh. @param path  Name of the mesh.
 [[nodiscard]] std::string layers_text(const std::string& path, const LayersOfMesh& layers);
 
-/// A line on a mesh whose openings were extended. @param before  The mesh without the extensions.
-[[nodiscard]] std::string extension_text(const std::string& path, const MeshView& before,
-                                         const MixedMesh& mesh);
+/// The same of what was made of a mesh, or a line on extensions alone. @param before  The mesh without
+/// either.
+[[nodiscard]] std::string layered_mesh_text(const std::string& path, const MeshView& before,
+                                            const LayeredMesh& made);
 
 /// The same numbers and those of the parts as JSON; docs/stages/layers.md describes the fields.
 [[nodiscard]] std::string layers_json(const LayersOfMesh& layers, const CommandNotes& notes);
