@@ -7,7 +7,6 @@
 #include <cfenv>
 #include <chrono>
 #include <exception>
-#include <limits>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/sizing.h"
@@ -15,7 +14,6 @@
 namespace lumesh {
 namespace {
 
-constexpr double kNoWishOfPlugin = std::numeric_limits<double>::infinity();
 constexpr double kSlowNanoseconds = 5000;
 constexpr std::uint64_t kTimedOf =
     1024;  // One call of so many has its time taken, in each copy of the counts:
@@ -207,14 +205,14 @@ Answer PluginSizing::ask(const Vec3& where, Answer no_answer, const Call& call) 
 }
 
 double PluginSizing::size_at(const Vec3& point_mm, Label /*label*/) const {
-  if (library_->size_at == nullptr) return kNoWishOfPlugin;
-  const double size = ask(point_mm, kNoWishOfPlugin, [&] {
+  if (library_->size_at == nullptr) return kAnySize;
+  const double size = ask(point_mm, kAnySize, [&] {
     return library_->size_at(library_->state, point_mm.x(), point_mm.y(), point_mm.z());
   });
   if (size > 0) return size;  // not NaN either
   counts_.add(kBadAnswers, 1);
   first_bad_.offer(point_mm);
-  return kNoWishOfPlugin;
+  return kAnySize;
 }
 
 bool PluginSizing::wants_finer(const std::array<Vec3, 4>& corners_mm) const {

@@ -33,18 +33,18 @@ class Refinement {
     for (;;) {
       for (const std::uint32_t t : mesh_.take_changed()) offer(t);
       if (queue_.empty()) return;
-      const Wish wish = queue_.top();
+      const Candidate candidate = queue_.top();
       queue_.pop();
-      if (mesh_.triangles()[wish.triangle] == wish.corners) try_to_split(wish);
+      if (mesh_.triangles()[candidate.triangle] == candidate.corners) try_to_split(candidate);
     }
   }
 
  private:
-  struct Wish {
+  struct Candidate {
     double ratio;
     std::uint32_t triangle;
     Cell<3> corners;
-    bool operator<(const Wish& other) const {
+    bool operator<(const Candidate& other) const {
       return ratio != other.ratio ? ratio < other.ratio : corners < other.corners;
     }
   };
@@ -63,9 +63,9 @@ class Refinement {
     const double ratio = circle_of(t).radius / size_of(mesh_.triangles()[t]);
     if (ratio > kMaxRadius && std::isfinite(ratio)) queue_.push({ratio, t, mesh_.triangles()[t]});
   }
-  void try_to_split(const Wish& wish) {
-    const Vec2 centre = circle_of(wish.triangle).centre;
-    const auto within = mesh_.locate(centre, wish.triangle);
+  void try_to_split(const Candidate& candidate) {
+    const Vec2 centre = circle_of(candidate.triangle).centre;
+    const auto within = mesh_.locate(centre, candidate.triangle);
     if (!within) return;
     const Cell<3>& corners = mesh_.triangles()[*within];
     const double size = size_of(corners);
@@ -81,7 +81,7 @@ class Refinement {
 
   FlatTriangulation& mesh_;
   std::vector<double> sizes_;  // Wanted edge length at each point.
-  std::priority_queue<Wish> queue_;
+  std::priority_queue<Candidate> queue_;
 };
 
 /// Adds the mean of the two edges at each corner.
