@@ -158,6 +158,8 @@ void require_ranges(const OptionList& list) {
     if (const std::optional<double> value = option.number()) require(*value);
     if (const auto* const of_labels = std::get_if<std::map<int, double>*>(&option.target))
       for (const auto& entry : **of_labels) require(entry.second);
+    if (const auto* const rows = std::get_if<OptionRows>(&option.target))
+      for (const std::vector<double>& row : rows->get()) std::ranges::for_each(row, require);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/metric/point_tree.hpp"
@@ -197,6 +198,39 @@ class CombinedSizing final : public Sizing {
 
 }  // namespace
 
+void PointSizeOptions::describe(OptionList& list) {
+  list.number("size_k", k, between(1, 10000),
+              "Nearest of these points, the mean of whose distances counts; the paper has 30")
+      .alias("k")
+      .zero("1, for which size_floor is needed")
+      .needs("size_points");
+  list.number("size_factor", factor, above(0), "Size per distance to the size_points").needs("size_points");
+  list.number("size_floor", floor_mm, above(0),
+              "Least of these sizes, needed with size_k = 1, where the points themselves have it")
+      .in("mm")
+      .zero("not given")
+      .needs("size_points");
+  list.number("size_ceiling", ceiling_mm, above(0), "Largest of these sizes")
+      .in("mm")
+      .zero("no bound", kAnySize)
+      .needs("size_points");
+}
+
+void PointSizeOptions::validate() const {
+  require_ranges_of(*this);
+  require(ceiling_mm >= floor_mm,
+          option_name("size_ceiling") + " must not be less than " + option_name("size_floor"));
+}
+
+void BoundarySizeOptions::describe(OptionList& list) {
+  list.number("size_boundary", at_boundary_mm, above(0),
+              "Size at walls, interfaces and openings, growing inwards")
+      .in("mm")
+      .zero("none");
+  list.number("size_growth", growth, at_least(0), "Growth of that size per distance from them")
+      .needs("size_boundary");
+}
+
 std::unique_ptr<Sizing> constant_size(double size_mm) {
   require_size(size_mm, "a constant size");
   return std::make_unique<ConstantSizing>(size_mm);
@@ -216,22 +250,16 @@ void require_size_points(std::span<const Vec3> points_mm) {
 }
 
 std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm, const PointSizeOptions& options) {
-  require(options.factor > 0 && std::isfinite(options.factor),
-          fmt::format("the size factor must be a finite number greater than 0, not {:g}", options.factor));
-  require(options.k >= 1, "k must be at least 1");
-  if (options.k == 1 || options.floor_mm != 0) require_size(options.floor_mm, "the size floor");
-  require(std::isfinite(options.floor_mm) && options.ceiling_mm >= options.floor_mm,
-          fmt::format("the size ceiling ({:g} mm) must be no less than the floor ({:g} mm)",
-                      options.ceiling_mm, options.floor_mm));
+  options.validate();
+  if (options.k <= 1) require_size(options.floor_mm, option_name("size_floor"));
   require_size_points(points_mm);
   if (options.k > 1) return std::make_unique<MeanDistanceSizing>(points_mm, options);
   return std::make_unique<PointSizing>(points_mm, options);
 }
 
 std::unique_ptr<Sizing> size_from_boundary(const Domain& domain, const BoundarySizeOptions& options) {
-  require_size(options.at_boundary_mm, "the size at the boundary");
-  require(options.growth >= 0 && std::isfinite(options.growth),
-          fmt::format("the growth of sizes must be a finite number, 0 or more, not {:g}", options.growth));
+  require_ranges_of(options);
+  require_size(options.at_boundary_mm, option_name("size_boundary"));
   require_size(options.ceiling_mm, "the size ceiling");
   return std::make_unique<BoundarySizing>(domain, options);
 }

@@ -25,17 +25,6 @@ constexpr int kFormatVersion = 1;
   throw Error(ErrorKind::kUsage, fmt::format("phantom {}: {}", phantom_kind_name(spec.kind), what));
 }
 
-void check_frame(const PhantomSpec& spec) {
-  if ((spec.size.array() < 8).any() || (spec.size.array() > 2048).any())
-    refuse(spec, fmt::format("size {} x {} x {}: each must be 8 to 2048 voxels", spec.size.x(), spec.size.y(),
-                             spec.size.z()));
-  if (!spec.spacing_mm.allFinite() || (spec.spacing_mm.array() <= 0).any())
-    refuse(spec, "every spacing must be positive and finite");
-  if (!spec.rotation_deg.allFinite() || !spec.origin_mm.allFinite())
-    refuse(spec, "rotation and origin must be finite numbers");
-  if (!(spec.noise_voxels >= 0 && spec.noise_voxels <= 2)) refuse(spec, "noise must be 0 to 2 voxels");
-}
-
 void check_noise(const PhantomSpec& spec) {
   const double thinnest = spec.kind == PhantomKind::kLayered ? spec.radius_mm
                           : spec.end_radius_mm > 0           ? spec.end_radius_mm
@@ -144,16 +133,11 @@ void PhantomSpec::describe_image(OptionList& list, const std::string& prefix) {
 
 PhantomSpec resolve(const PhantomSpec& spec) {
   PhantomSpec full = spec;
-  for (const double length :
-       {spec.radius_mm, spec.end_radius_mm, spec.sac_radius_mm, spec.ring_radius_mm, spec.wall_mm})
-    if (!(length >= 0) || !std::isfinite(length)) refuse(spec, "radii and wall must be positive and finite");
-  const bool has_size = (spec.size.array() != 0).any();
-  const bool has_spacing = !(spec.spacing_mm.array() == 0).all();
-  if (has_size && (spec.size.array() <= 0).any()) refuse(spec, "size must be positive in every direction");
-  if (has_spacing && !(spec.spacing_mm.array() > 0).all())
-    refuse(spec, "every spacing must be positive and finite");
+  naming(fmt::format("phantom {}", phantom_kind_name(spec.kind)), [&] { require_ranges_of(spec); });
   image::fill_defaults(full);
-  check_frame(full);
+  // By kind are all three numbers or none.
+  if ((full.size.array() == 0).any()) refuse(spec, "size must be positive in every direction");
+  if ((full.spacing_mm.array() == 0).any()) refuse(spec, "every spacing must be positive");
   image::check_radii(full);
   check_noise(full);
   return full;

@@ -9,6 +9,7 @@
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
@@ -126,13 +127,22 @@ SmoothSurface take_apart(const TetMesh& mesh, double feature_angle_deg) {
 
 }  // namespace
 
+void CurvatureOptions::describe(OptionList& list) {
+  list.number("edges_per_radius", edges_per_radius, above(0),
+              "Edges along an arc as long as its radius of curvature")
+      .needs("curvature");
+  list.number("chord_height", chord_mm, above(0),
+              "Instead: how far the middle of an edge may stand off its arc")
+      .in("mm")
+      .zero("as edges_per_radius says")
+      .needs("curvature")
+      .excludes("edges_per_radius");
+}
+
 void CurvatureOptions::validate() const {
-  const auto refuse = [](const char* what) { throw Error(ErrorKind::kUsage, what); };
-  if (!(chord_mm >= 0) || !std::isfinite(chord_mm)) refuse("chord_mm must be 0 or more");
-  if (!(edges_per_radius > 0) || !std::isfinite(edges_per_radius)) refuse("edges_per_radius must be above 0");
-  if (!(largest_mm > 0)) refuse("largest_mm must be above 0");
-  if (!(feature_angle_deg > 0 && feature_angle_deg <= 180))
-    refuse("feature_angle_deg must be above 0 and at most 180");
+  require_ranges_of(*this);
+  if (!(largest_mm > 0 && feature_angle_deg > 0 && feature_angle_deg <= 180))
+    throw Error(ErrorKind::kUsage, "the largest size must be above 0, the feature angle also at most 180");
 }
 
 double CurvatureOptions::size_of(double curvature, double largest) const {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/vertex_neighbours.hpp"
 #include "lumesh/metric/shaping.hpp"
@@ -50,8 +51,13 @@ double largest_of(const std::vector<EigenSystem>& systems) {
 
 }  // namespace
 
+void HessianMetricOptions::describe(OptionList& list) {
+  list.number("norm", norm, {.min = 1, .includes_infinity = true}, "p of the Lp norm of that error")
+      .needs("hessian");
+}
+
 void HessianMetricOptions::validate() const {
-  if (!(norm >= 1)) throw Error(ErrorKind::kUsage, "the norm of an interpolation error must be 1 or more");
+  require_ranges_of(*this);
 }
 
 std::vector<SymTensor> recover_hessians(const TetMesh& mesh, std::span<const double> values) {

@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "ellipsoid_search.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/metric/point_tree.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -56,12 +58,17 @@ SymTensor round_metric(double size) {
 
 }  // namespace
 
+void PointMetricOptions::describe(OptionList& list) {
+  list.number("k", k, between(1, 10000), "Points nearest to a vertex that count").needs("points");
+  list.flag("isotropic", isotropic,
+            "Instead of ellipsoids, sizes that are the same in all directions: the mean distance to these "
+            "points (the paper's k is 30 then)")
+      .needs("points");
+}
+
 void PointMetricOptions::validate() const {
-  if (k < 1) throw Error(ErrorKind::kUsage, "k must be at least 1");
-  if (!(tolerance > 0 && tolerance <= 1))
-    throw Error(ErrorKind::kUsage, "tolerance must be above 0 and at most 1");
-  if (!(floor_mm >= 0) || !std::isfinite(floor_mm))
-    throw Error(ErrorKind::kUsage, "floor_mm must be 0 or more");
+  require_ranges_of(*this);
+  LUMESH_ASSERT(tolerance > 0 && tolerance <= 1 && floor_mm >= 0 && std::isfinite(floor_mm));
 }
 
 std::vector<SymTensor> metric_from_points(std::span<const Vec3> places, std::span<const Vec3> points,

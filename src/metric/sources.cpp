@@ -68,11 +68,7 @@ void PointSource::describe(OptionList& list) {
             "Ellipsoids around the k points nearest to each vertex, of a file (.vtp, .vtu, .vtk, meshes, "
             ".csv, .txt, .xyz), or of the centerline",
             {"centerline"});
-  list.number("k", options.k, between(1, 10000), "Points nearest to a vertex that count").needs("points");
-  list.flag("isotropic", options.isotropic,
-            "Instead of ellipsoids, sizes that are the same in all directions: the mean distance to these "
-            "points (the paper's k is 30 then)")
-      .needs("points");
+  options.describe(list);
 }
 
 std::vector<SymTensor> PointSource::at(std::span<const Vec3> places, SourceData& data) const {
@@ -88,18 +84,7 @@ void VelocitySource::describe(OptionList& list) {
   list.text("velocity_array", array,
             "Point array that holds it; none: velocity, or the only vectors there are")
       .needs("velocity");
-  list.number("velocity_k", options.k, between(3, 10000),
-              "Samples nearest to a vertex that count; 3 is the paper's")
-      .needs("velocity");
-  list.number("velocity_change", options.change, {.min = 0, .max = 10, .excludes_min = true},
-              "Change of the velocity across an edge where it changes most, over the samples' mean speed")
-      .needs("velocity");
-  list.number("velocity_stretch", options.stretch, between(1, 1000), "Largest size over the smallest")
-      .needs("velocity");
-  list.number("velocity_flatness", options.flatness, between(1, 1000),
-              "Larger size across the flow over the smaller one, where the velocity changes along one of "
-              "them only")
-      .needs("velocity");
+  options.describe(list);
 }
 
 std::vector<SymTensor> VelocitySource::at(std::span<const Vec3> places, SourceData& data) const {
@@ -113,8 +98,7 @@ void HessianSource::describe(OptionList& list) {
   list.text("hessian", field,
             "Low interpolation error of this solution: a point array of the mesh's file, or a .sol or .solb "
             "file with a number per vertex");
-  list.number("norm", options.norm, {.min = 1, .includes_infinity = true}, "p of the Lp norm of that error")
-      .needs("hessian");
+  options.describe(list);
 }
 
 std::vector<SymTensor> HessianSource::on(const TetMesh& mesh, SourceData& data,
@@ -125,15 +109,7 @@ std::vector<SymTensor> HessianSource::on(const TetMesh& mesh, SourceData& data,
 
 void CurvatureSource::describe(OptionList& list) {
   list.flag("curvature", curvature, "Fine where the boundary and interfaces bend");
-  list.number("edges_per_radius", options.edges_per_radius, above(0),
-              "Edges along an arc as long as its radius of curvature")
-      .needs("curvature");
-  list.number("chord_height", options.chord_mm, above(0),
-              "Instead: how far the middle of an edge may stand off its arc")
-      .in("mm")
-      .zero("as edges_per_radius says")
-      .needs("curvature")
-      .excludes("edges_per_radius");
+  options.describe(list);
 }
 
 std::vector<SymTensor> CurvatureSource::on(const TetMesh& mesh, SourceData& data,

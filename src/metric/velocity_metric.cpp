@@ -10,6 +10,7 @@
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/metric/point_tree.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -164,12 +165,22 @@ SymTensor tensor_of(const Vec3& velocity, const Rates& rates, const FlowScale& s
 
 }  // namespace
 
+void VelocityMetricOptions::describe(OptionList& list) {
+  list.number("velocity_k", k, between(3, 10000), "Samples nearest to a vertex that count; 3 is the paper's")
+      .needs("velocity");
+  list.number("velocity_change", change, {.min = 0, .max = 10, .excludes_min = true},
+              "Change of the velocity across an edge where it changes most, over the samples' mean speed")
+      .needs("velocity");
+  list.number("velocity_stretch", stretch, between(1, 1000), "Largest size over the smallest")
+      .needs("velocity");
+  list.number("velocity_flatness", flatness, between(1, 1000),
+              "Larger size across the flow over the smaller one, where the velocity changes along one of "
+              "them only")
+      .needs("velocity");
+}
+
 void VelocityMetricOptions::validate() const {
-  const auto refuse = [](const char* what) { throw Error(ErrorKind::kUsage, what); };
-  if (k < 3) refuse("k must be at least 3 to fit the gradient of a velocity");
-  if (!(change > 0) || !std::isfinite(change)) refuse("change must be above 0");
-  if (!(stretch >= 1) || !std::isfinite(stretch)) refuse("stretch must be 1 or more");
-  if (!(flatness >= 1) || !std::isfinite(flatness)) refuse("flatness must be 1 or more");
+  require_ranges_of(*this);
 }
 
 std::vector<VelocityFit> fit_velocities(std::span<const Vec3> places, const VelocitySamples& samples, int k) {

@@ -77,28 +77,8 @@ void SizeRequest::describe(OptionList& list) {
       .excludes("size_k")
       .excludes("size_factor")
       .excludes("size_ceiling");
-  list.number("size_k", point_sizes.k, between(1, 10000),
-              "Nearest of these points, the mean of whose distances counts; the paper has 30")
-      .alias("k")
-      .zero("1, for which size_floor is needed")
-      .needs("size_points");
-  list.number("size_factor", point_sizes.factor, above(0), "Size per distance to the size_points")
-      .needs("size_points");
-  list.number("size_floor", point_sizes.floor_mm, above(0),
-              "Least of these sizes, needed with size_k = 1, where the points themselves have it")
-      .in("mm")
-      .zero("not given")
-      .needs("size_points");
-  list.number("size_ceiling", point_sizes.ceiling_mm, above(0), "Largest of these sizes")
-      .in("mm")
-      .zero("no bound", kAnySize)
-      .needs("size_points");
-  list.number("size_boundary", boundary.at_boundary_mm, above(0),
-              "Size at walls, interfaces and openings, growing inwards")
-      .in("mm")
-      .zero("none");
-  list.number("size_growth", boundary.growth, at_least(0), "Growth of that size per distance from them")
-      .needs("size_boundary");
+  point_sizes.describe(list);
+  boundary.describe(list);
   list.path("size_image", image, "Image of sizes in mm; 0: any size");
   list.path("size_mesh", mesh,
             "Mesh of tetrahedra with sizes at its points: array size, metric, or a .sol file beside it");
@@ -115,9 +95,7 @@ void SizeRequest::validate() const {
                                                            : point_sizes.k == 1 ? "size_k"
                                                                                 : "size_factor"),
                                                option_name("size_floor"), option_name("size_k")));
-  if (point_sizes.ceiling_mm < point_sizes.floor_mm)
-    throw Error(ErrorKind::kUsage,
-                option_name("size_ceiling") + " must not be less than " + option_name("size_floor"));
+  point_sizes.validate();
 }
 
 void describe_cells_per_diameter(OptionList& list, double& cells) {
@@ -148,7 +126,6 @@ std::unique_ptr<Sizing> SizeData::on(const Domain& domain, const Polylines& axes
   }
   if (!request_.points.empty()) {
     const bool has_criterion = request_.has_point_criterion();
-    request_.point_sizes.k = std::max(1, request_.point_sizes.k);
     constexpr double kBound = 0.5;  // Of the resolution, where a criterion has no end.
     request_.point_sizes.region_mm = domain.bounds_mm();
     const std::vector<Vec3>& points = request_.points == "centerline" ? axes.points : points_;

@@ -16,6 +16,8 @@
 
 namespace lumesh {
 
+class OptionList;
+
 class Domain;
 struct Polylines;
 class TetMesh;
@@ -48,12 +50,15 @@ inline constexpr double kAnySize = std::numeric_limits<double>::infinity();
                                                      double elsewhere_mm = kAnySize);
 
 struct PointSizeOptions {
-  int k = 1;                     ///< Nearest points whose mean distance counts, >= 1.
+  int k = 1;                     ///< Nearest points whose mean distance counts; 0: 1.
   double factor = 1;             ///< Size per that distance, > 0.
   double floor_mm = 0;           ///< Smallest size; > 0 for k = 1, when the points themselves have it.
   double ceiling_mm = kAnySize;  ///< Largest size, >= floor.
   Box3 region_mm = {};  ///< Region where sizes will be asked (Domain::bounds_mm()); answers elsewhere
                         ///< are right, but slow far from the points.
+
+  void describe(OptionList& list);  ///< Describes all but the region.
+  void validate() const;            ///< Throws Error{kUsage}, naming the option.
 };
 
 /// A size that grows with the distance to points, such as those of centerlines or landmarks: factor *
@@ -81,6 +86,8 @@ struct BoundarySizeOptions {
   double at_boundary_mm = 0;  ///< Size at the boundary, > 0.
   double growth = 0.2;        ///< Growth of the size per distance from the boundary, >= 0.
   double ceiling_mm = kAnySize;
+
+  void describe(OptionList& list);  ///< Describes all but the ceiling.
 };
 
 /// A size that grows with the distance to the nearest boundary between materials, openings included.

@@ -3,6 +3,10 @@
 
 #include <limits>
 
+namespace lumesh {
+class OptionList;
+}
+
 namespace lumesh::metric {
 
 /// How points, such as those of centerlines, make a metric: metric_from_points().
@@ -13,7 +17,9 @@ struct PointMetricOptions {
   bool isotropic = false;   ///< Instead of ellipsoids, sizes the same in all directions: the mean distance
                             ///< from the place to these points.
 
-  void validate() const;  ///< Throws Error{kUsage}, naming the field.
+  /// Options that users may choose, which need the source.
+  void describe(OptionList& list);
+  void validate() const;  ///< Throws Error{kUsage}, naming the option.
 };
 
 /// How the gradient of a velocity makes a metric: metric_from_velocity().
@@ -26,7 +32,9 @@ struct VelocityMetricOptions {
   double flatness = 1.4;  ///< Larger size across the flow to the smaller one, where the velocity changes
                           ///< along one of them only, >= 1.
 
-  void validate() const;  ///< Throws Error{kUsage}, naming the field.
+  /// Options that users may choose, which need the source.
+  void describe(OptionList& list);
+  void validate() const;  ///< Throws Error{kUsage}, naming the option.
 };
 
 /// How second derivatives of a solution make a metric: metric_from_hessian().
@@ -34,7 +42,9 @@ struct HessianMetricOptions {
   double norm =
       2;  ///< p of the Lp norm, >= 1, may be infinite: small numbers see weak features, large ones shocks.
 
-  void validate() const;  ///< Throws Error{kUsage}, naming the field.
+  /// Options that users may choose, which need the source.
+  void describe(OptionList& list);
+  void validate() const;  ///< Throws Error{kUsage}, naming the option.
 };
 
 /// How the curvature of walls makes a metric: metric_from_curvature().
@@ -45,7 +55,9 @@ struct CurvatureOptions {
                                                                 ///< the mesh's diagonal.
   double feature_angle_deg = 50;  ///< Faces that turn by more do not belong to one smooth surface; (0, 180].
 
-  void validate() const;  ///< Throws Error{kUsage}, naming the field.
+  /// Options that users may choose, which need the source.
+  void describe(OptionList& list);
+  void validate() const;  ///< Throws Error{kUsage}, naming the option.
 
   /// The wanted size along an arc of this curvature (>= 0): 2 sqrt(chord (2 R - chord)) of the radius R, the
   /// chord whose middle stands off by chord_mm, and 2 R at most; or R / edges_per_radius; at most `largest`.

@@ -242,7 +242,7 @@ TEST(BuiltInSizing, ParametersThatMakeNoSenseAreRefused) {
   EXPECT_THROW(static_cast<void>(size_from_points(one, {})), Error) << "without a floor sizes would be 0";
   EXPECT_THROW(static_cast<void>(size_from_points(one, {.floor_mm = 2, .ceiling_mm = 1})), Error);
   EXPECT_THROW(static_cast<void>(size_from_points(one, {.factor = 0, .floor_mm = 2})), Error);
-  EXPECT_THROW(static_cast<void>(size_from_points(one, {.k = 0, .floor_mm = 2})), Error);
+  EXPECT_THROW(static_cast<void>(size_from_points(one, {.k = -1, .floor_mm = 2})), Error);
   EXPECT_THROW(static_cast<void>(size_from_points({}, {.floor_mm = 1})), Error);
   EXPECT_THROW(static_cast<void>(size_from_points(std::vector<Vec3>{{nan, 0, 0}}, {.floor_mm = 1})), Error);
   EXPECT_THROW(static_cast<void>(size_from_image({fixtures::frame_of({2, 1, 1}), {1}})), Error);
