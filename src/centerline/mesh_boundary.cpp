@@ -10,7 +10,6 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/triangle.hpp"
-#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -27,7 +26,7 @@ Part part_of(const MeshView& mesh, std::int32_t patch) {
     return Part::kWall;
   const Patch& known = mesh.info->patches[static_cast<std::size_t>(patch)];
   if (known.kind == PatchKind::kInterface) return Part::kNone;
-  return is_opening_name(known.name) || known.kind == PatchKind::kOpening ? Part::kOpening : Part::kWall;
+  return known.kind == PatchKind::kOpening ? Part::kOpening : Part::kWall;
 }
 
 Boundary given_boundary(const MeshView& mesh) {

@@ -31,10 +31,6 @@ void SurfaceDomainOptions::validate() const {
 namespace surfaces {
 namespace {
 
-bool is_called_wall(const Patch& patch) {
-  return patch.name.find("wall") != std::string::npos;
-}
-
 double mean_edge_mm_of(const ClosedSurface& surface) {
   double sum = 0;
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
@@ -80,12 +76,12 @@ void NamedRegions::name_regions() {
       patch = {free_opening_name(), PatchKind::kOpening, {1, kBackground}};
     } else if (has_named_patches) {
       patch.name = name_of_file(r);
-      const bool is_flat = is_flat_patch.at(regions.patches[r]) && !is_called_wall(patch);
+      const bool is_flat = is_flat_patch.at(regions.patches[r]) && !is_wall_name(patch.name);
       if (is_flat || (known != nullptr && known->kind == PatchKind::kOpening))
         patch.kind = PatchKind::kOpening;
       keep_kind_of_file(r, patch);
     } else {
-      patch.name = "wall";
+      patch.name = kWallName;
     }
     const bool is_one_region = !has_named_patches || region_counts.at(regions.patches[r]) == 1;
     if (patch.kind == PatchKind::kOpening && is_end && is_one_region)
@@ -117,7 +113,8 @@ void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
   }
   for (const auto& [number, flat] : patches) {
     const Patch& patch = of_region[flat.first_region];
-    if (patch.kind == PatchKind::kWall && !is_called_wall(patch) && flat.flat_mm2 >= kMinFlat * flat.area_mm2)
+    if (patch.kind == PatchKind::kWall && !is_wall_name(patch.name) &&
+        flat.flat_mm2 >= kMinFlat * flat.area_mm2)
       notes.push_back(fmt::format(
           "patch \"{}\" is flat in {:.0f} % of its area, at {}, but is taken as wall, as other "
           "triangles of it are not in that plane; leave these to the wall's patch to make it an opening",

@@ -7,6 +7,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/core/trimmed.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "mesh_formats.hpp"
 #include "part_names.hpp"
 #include "unpacked_file.hpp"
@@ -85,7 +86,7 @@ class ObjReader {
   /// What follows belongs to it; groups of one name, as it stands in the file, are one.
   void begin_group(const std::string& text) {
     std::string name(trimmed(text, kSpaces));
-    if (name.empty()) name = "wall";
+    if (name.empty()) name = kWallName;
     const auto [at, is_new] =
         numbers_.try_emplace(name, static_cast<std::int32_t>(mesh_.info.patches.size()));
     if (is_new) mesh_.info.patches.push_back({name, PatchKind::kWall, {}});
@@ -105,7 +106,7 @@ class ObjReader {
       patch = mine;
     }
     mesh_.info.patches = std::move(used);
-    if (mesh_.info.patches.size() == 1) mesh_.info.patches[0] = {"wall", PatchKind::kWall, {}};
+    if (mesh_.info.patches.size() == 1) mesh_.info.patches[0] = {kWallName, PatchKind::kWall, {}};
   }
 
   const std::filesystem::path& path_;

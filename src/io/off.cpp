@@ -6,6 +6,7 @@
 
 #include "cell_blocks.hpp"
 #include "file_fault.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
 #include "mesh_builder.hpp"
 #include "mesh_formats.hpp"
@@ -36,7 +37,7 @@ class OffReader {
     }
     for (std::int64_t i = 0; i < polygons; ++i) read_polygon();
     if (polygons == 0) fail_here("holds no polygon");
-    builder_.name_patch(0, "wall");
+    builder_.name_patch(0, kWallName);
     return builder_.finish();
   }
 

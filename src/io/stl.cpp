@@ -9,6 +9,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/core/trimmed.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
 #include "part_names.hpp"
@@ -66,7 +67,7 @@ class SurfaceBuilder {
       if (is_new) patches.push_back({name, PatchKind::kWall, {}});
       patch = at->second;
     }
-    if (patches.size() == 1) patches[0].name = "wall";
+    if (patches.size() == 1) patches[0].name = kWallName;
     return std::move(mesh_);
   }
 
@@ -111,7 +112,7 @@ MixedMesh parse_text(const std::filesystem::path& path, const std::string& text)
       std::string rest;  // It may hold any words.
       std::getline(in, rest);
       const std::string name(trimmed(rest, kSpaces));
-      if (word == "solid") surface.begin_solid(name.empty() ? "wall" : name);
+      if (word == "solid") surface.begin_solid(name.empty() ? kWallName : name);
     }
     is_complete = word == "endsolid" || (is_complete && word != "facet");
     if ((word == "outer" || word == "endsolid") && corner != 3) fail_damaged(path, "a facet is damaged");

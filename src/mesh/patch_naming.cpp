@@ -16,7 +16,7 @@ std::string PatchNaming::word(Label label) const {
 }
 
 std::string PatchNaming::wall(Label label, bool is_only) const {
-  return is_only ? "wall" : "wall_" + word(label);
+  return is_only ? kWallName : "wall_" + word(label);
 }
 
 std::string PatchNaming::between(Label a, Label b) const {

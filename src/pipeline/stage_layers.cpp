@@ -24,7 +24,7 @@ std::vector<std::string> patches_of_surface(const Domain& domain) {
       const std::optional<Patch> patch = domain.patch_between(inside, outside);
       if (patch && std::ranges::find(names, patch->name) == names.end()) names.push_back(patch->name);
     }
-  return names.empty() ? std::vector<std::string>{"wall"} : names;
+  return names.empty() ? std::vector<std::string>{kWallName} : names;
 }
 
 /// Names of walls, one for each label where there are several, and of patches between two labels.

@@ -31,6 +31,13 @@ namespace lumesh {
   return wanted + "_" + std::to_string(next);
 }
 
+/// Name of a boundary that has no other.
+inline constexpr const char* kWallName = "wall";
+/// Whether files that say no more of a flat patch than its name mean a wall by it, such as "main_wall".
+[[nodiscard]] inline bool is_wall_name(std::string_view name) {
+  return name.find(kWallName) != std::string_view::npos;
+}
+
 /// What openings without another name are called: "inlet_1", "outlet_1", "outlet_2", …
 [[nodiscard]] inline std::string opening_name(std::size_t number) {
   return number == 0 ? "inlet_1" : "outlet_" + std::to_string(number);

@@ -48,9 +48,8 @@ MixedMesh closed_tube() {
   MixedMesh mesh = open_tube();
   add_cap(mesh, 0, 0, kInletPatch);
   add_cap(mesh, kAlong, kLength, kOutletPatch);
-  // Named as another program's caps: the kind is not known.
-  mesh.info.patches.push_back({"inlet", PatchKind::kWall, {1, 0}});
-  mesh.info.patches.push_back({"outlet_1", PatchKind::kWall, {1, 0}});
+  mesh.info.patches.push_back({"inlet", PatchKind::kOpening, {1, 0}});
+  mesh.info.patches.push_back({"outlet_1", PatchKind::kOpening, {1, 0}});
   return mesh;
 }
 
@@ -123,6 +122,14 @@ TEST(MeshLines, EndOneRadiusBeforeCapsThatAreWall) {
   const auto [low, high] = height_range(lines);
   EXPECT_NEAR(low, kTube, 0.35 * kTube);
   EXPECT_NEAR(high, kLength - kTube, 0.35 * kTube);
+}
+
+TEST(MeshLines, AskPatchesForTheirKindNotTheirName) {
+  MixedMesh mesh = closed_tube();
+  for (Patch& patch : mesh.info.patches)
+    patch.name = patch.kind == PatchKind::kOpening ? "main_wall" : "inlet_valve";
+  Context context;
+  expect_axis(extract_centerline(mesh.view(), {}, context));
 }
 
 TEST(MeshLines, AreThoseOfTheSurfaceTurnedInsideOut) {

@@ -352,6 +352,11 @@ TEST(SurfaceDomain, NamesPatchesAsTheFileOrByAreaAndWallWhereThereIsOne) {
   const SurfaceDomain domain({box.points, box.triangles, box.patches, info});
   EXPECT_EQ(names_of(domain), (std::vector<std::string>{"wall", "wall", "wall", "wall", "in", "patch_7"}));
   EXPECT_EQ(domain.patch_between(1, 5)->kind, PatchKind::kOpening);
+  const std::vector<Patch> odd = {{"inlet_valve", PatchKind::kWall, {}},
+                                  {"main_wall", PatchKind::kOpening, {}}};
+  const SurfaceDomain oddly_named({box.points, box.triangles, box.patches, odd});
+  EXPECT_EQ(oddly_named.patch_between(1, 5)->kind, PatchKind::kOpening) << "as its kind says, not its name";
+  EXPECT_EQ(oddly_named.patch_between(1, 1 + 1)->kind, PatchKind::kWall);
   const std::vector<Patch> mirrored = {{"wall", PatchKind::kWall, {}}, {"in", PatchKind::kSymmetry, {}}};
   EXPECT_EQ(SurfaceDomain({box.points, box.triangles, box.patches, mirrored}).patch_between(1, 5)->kind,
             PatchKind::kSymmetry);
