@@ -50,8 +50,7 @@ void run(CenterlineCommand command) {
   info.provenance = provenance_of(command.run.making(), command.request.path, made.provenance);
   write_results(context, [&] { write_polylines(command.output_path, made.lines, info); });
   write_json(command.json_path,
-             report::centerline_json(
-                 made, session.notes({{command.output_path, "the centerline with its radius"}})));
+             report::centerline_json(made, session.notes({{command.output_path, kCenterlineWords}})));
   say(command.run, "{}", report::centerline_text(command.output_path, made, session.seconds()));
 }
 

@@ -56,7 +56,7 @@ void add_check_command(CLI::App& program) {
   describe_unit(selection, command->selection.unit);
   add_options(*sub, selection, "", {"probabilities"});
   add_json_option(*sub, command->json_path, command->run, "the same");
-  sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
+  sub->add_option("--report", command->report_path, kReportHelp);
   finish_command(
       *sub, command,
       "Exit codes: 0 fit for meshing, perhaps with remarks, 2 unreadable, 3 unfit.\nExample: lumesh check "

@@ -27,6 +27,9 @@ class Program;
 inline constexpr const char* kImageFormats =
     "(.nii[.gz], .nrrd, .nhdr, .mha, .mhd, .gipl[.gz], DICOM folder)";
 
+/// Help of --report where it shows what was done.
+inline constexpr const char* kReportHelp = "Write it as a page with pictures (.html)";
+
 /// In the place of a file: what is written goes to the standard output.
 inline constexpr const char* kStandardOutput = "-";
 
@@ -84,8 +87,8 @@ class CommandRun {
  public:
   Context context;
 };
-/// Words for a mesh among the files of a command.
-inline constexpr const char* kMeshWords = "the mesh, with labels and patches";
+using report::kCenterlineWords;
+using report::kMeshWords;
 [[nodiscard]] std::vector<report::OutputFile> files_of(const MeshOutput& output);
 /// Writes to a stream, on a terminal in the place of the line that tells the progress. Control characters,
 /// which names in files may have and a terminal would obey, become question marks. What cannot be written is

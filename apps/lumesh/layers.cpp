@@ -64,7 +64,7 @@ void add_layers_command(CLI::App& program) {
       "--blc", [command] { command->request.layers.options.cells = LayerCells::kPrisms; },
       "AFLR's name of --cells prisms");
   add_json_option(*sub, command->json_path, command->run, "what was achieved");
-  sub->add_option("--report", command->report_path, "Write it as a page with pictures (.html)");
+  sub->add_option("--report", command->report_path, kReportHelp);
   finish_command(
       *sub, command,
       "Example: lumesh layers vessel.vtu --patch wall --first-height 0.1 --growth 1.2 --count 5 -o "

@@ -27,7 +27,7 @@ void run(PhantomCommand command) {
   write_json(command.json_path,
              report::phantom_json(made, session.notes({{request.image, "the image"},
                                                        {parameters, "the parameters of the phantom"},
-                                                       {request.centerline, "the centerline with its radius"},
+                                                       {request.centerline, kCenterlineWords},
                                                        {request.velocity, "streamlines with velocity"}})));
   say(command.run, "{}", report::phantom_text(request, made));
 }

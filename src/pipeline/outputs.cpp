@@ -14,6 +14,7 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/quality/faults.hpp"
+#include "lumesh/report/command_notes.hpp"
 #include "lumesh/report/drawing.hpp"
 #include "lumesh/report/layers_report.hpp"
 #include "lumesh/report/stage_parts.hpp"
@@ -185,7 +186,7 @@ std::vector<report::OutputFile> write_meshes(const CaseState& state, const std::
   std::vector<report::OutputFile> files;
   for (const std::string& name : output.meshes) {
     state.context.phase("write", [&] { write_mesh(folder / name, view); });
-    files.push_back({name, "the mesh, with labels and patches"});
+    files.push_back({name, report::kMeshWords});
   }
   if (!output.surface.empty()) {
     state.context.phase("write", [&] { write_surface(folder / output.surface, view); });
@@ -205,7 +206,7 @@ std::vector<std::string> faults_of_written(const CaseState& state) {
 void write_centerline(const CaseState& state, std::vector<report::OutputFile>& files) {
   if (!state.c.output.stages) return;
   write_polylines(folder_of_stage_files(state) / kCenterlineFile, state.centerline, state.info());
-  files.push_back({kCenterlineFile, "the centerline with its radius"});
+  files.push_back({kCenterlineFile, report::kCenterlineWords});
 }
 
 void write_first_mesh(const CaseState& state, std::vector<report::OutputFile>& files) {

@@ -176,6 +176,14 @@ class ChecksTest(unittest.TestCase):
         self.write("src/mesh/many.cpp", "  /// What the planes have.\n" + "int a;  ///< Of the patch.\n" * 600)
         self.assert_finds("check_words.py", "602 doc lines begin without a noun")
 
+    def test_words_finds_texts_that_stand_in_two_files_beyond_the_budget(self):
+        texts = "".join(f'say("the surface number {i} has "\n    "no triangles");  // "\n' for i in range(60))
+        self.write("src/mesh/one.cpp", texts)
+        self.assertEqual(self.run_check("check_words.py")[0], 0)
+        self.write("apps/lumesh/other.cpp", texts)
+        self.assert_finds("check_words.py", "60 texts stand in two files")
+        self.assert_finds("check_words.py", "apps/lumesh/other.cpp, src/mesh/one.cpp: \"the surface number 7 has no triangles\"")
+
     def test_words_finds_pages_without_sources_or_picture(self):
         self.write("docs/images/a.png", "")
         self.write("docs/stages/a.md", "# a\n\n![A](../images/a.png)\n\n## Limits\n\n## Sources\n")

@@ -9,6 +9,10 @@
 
 namespace lumesh::report {
 
+/// Words for files that several commands and cases write.
+inline constexpr const char *kMeshWords = "the mesh, with labels and patches",
+                            *kCenterlineWords = "the centerline with its radius";
+
 /// Part of the JSON of every command that makes or changes something.
 struct CommandNotes {
   std::vector<OutputFile> files;      ///< Files written; one without a path was not wanted.
