@@ -163,13 +163,31 @@ std::optional<Candidate> Rules::candidate_for_crossed_curve(TetId t, const DualE
   return std::nullopt;
 }
 
+/// The place on the boundary between both sides of a face. Where that is far, as beside another vessel, whose
+/// outside is what lies behind an opening of this one: the nearest place of what bounds the label there.
+std::optional<Rules::BoundaryPlace> Rules::project_near(const Vec3& place, const DualEdge& dual,
+                                                        double spacing) const {
+  const MaterialSet sides{dual.mine, dual.other};
+  if (const auto found = domain_.project(place, sides, spacing)) return BoundaryPlace{*found, sides};
+  if (domain_.is_meshed(dual.mine) && domain_.is_meshed(dual.other)) return std::nullopt;
+  const Material inside = domain_.is_meshed(dual.mine) ? dual.mine : dual.other;
+  std::optional<BoundaryPlace> nearest;
+  for (const Material outside : domain_.materials_near(place, spacing)) {
+    if (domain_.is_meshed(outside)) continue;
+    const auto found = domain_.project(place, {inside, outside}, spacing);
+    if (found && (!nearest || (*found - place).norm() < (nearest->point - place).norm()))
+      nearest = BoundaryPlace{*found, {inside, outside}};
+  }
+  return nearest;
+}
+
 /// A point on the surface, or on the curve where it ends if that is near.
 std::optional<Candidate> Rules::at_surface(const Vec3& place, TetId t, const DualEdge& dual, double radius,
                                            double spacing) const {
-  const MaterialSet set{dual.mine, dual.other};
-  auto on_surface = domain_.project(place, set, spacing);
-  if (on_surface && is_cut_off(domain_, *on_surface)) on_surface.reset();
-  Candidate candidate{on_surface.value_or(place), t, kSurfaceFirst + static_cast<float>(radius / spacing),
+  std::optional<BoundaryPlace> on_surface = project_near(place, dual, spacing);
+  if (on_surface && is_cut_off(domain_, on_surface->point)) on_surface.reset();
+  const auto& [point, set] = on_surface.value_or(BoundaryPlace{place, {dual.mine, dual.other}});
+  Candidate candidate{point, t, kSurfaceFirst + static_cast<float>(radius / spacing),
                       VertexDimension::kSurface, spacing};
   const MaterialSet near = domain_.materials_near(candidate.point, 0.5 * std::min(radius, spacing));
   for (const Material third : near) {

@@ -73,6 +73,13 @@ class Rules {
                                                                      double spacing) const;
   [[nodiscard]] std::optional<Candidate> nearest_of_surface(TetId t, const Circumsphere& sphere) const;
   [[nodiscard]] Vec3 surface_centre(const DualEdge& dual, double close) const;
+  /// A place on a boundary, and what lies on both of its sides.
+  struct BoundaryPlace {
+    Vec3 point;
+    MaterialSet sides;
+  };
+  [[nodiscard]] std::optional<BoundaryPlace> project_near(const Vec3& place, const DualEdge& dual,
+                                                          double spacing) const;
   [[nodiscard]] std::optional<Candidate> at_surface(const Vec3& place, TetId t, const DualEdge& dual,
                                                     double radius, double spacing) const;
 

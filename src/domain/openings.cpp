@@ -236,6 +236,13 @@ class PlaneOpenings {
   Vec3 u_, v_;
 };
 
+double off_plane_mm(const FlatEnd& end) {
+  double off_mm = 0;
+  for (const std::array<Vec3, 3>& corners : end.triangles_mm)
+    for (const Vec3& p : corners) off_mm = std::max(off_mm, std::abs(end.normal.dot(p - end.centre_mm)));
+  return off_mm;
+}
+
 }  // namespace
 
 std::vector<Opening> openings_of(std::span<const FlatEnd> ends, double resolution_mm) {
@@ -249,6 +256,7 @@ std::vector<Opening> openings_of(std::span<const FlatEnd> ends, double resolutio
                    .voxel_mm = resolution_mm,
                    .squares = squares_of(end),
                    .is_of_surface = true,
+                   .off_mm = off_plane_mm(end),
                    .name = end.name});
   return all;
 }

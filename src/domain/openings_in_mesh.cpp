@@ -96,7 +96,7 @@ std::string wrong_of(const OpeningInMesh& o) {
 
 std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   constexpr double kDoubtfulPercent = 2, kThin = 2;  // From so many voxels in radius on.
-  constexpr double kOff = 1e-3;                      // Voxels.
+  constexpr double kOff = 1e-3, kOffEnd = 1e-6;      // Voxels; of the radius of a surface's end.
   constexpr std::size_t kLeastEdges = 8;
   std::vector<std::string> lines;
   const Opening& opening = o.opening;
@@ -104,11 +104,13 @@ std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   if (change > kDoubtfulPercent && change <= kWrongOpeningPercent &&
       opening.radius_mm() >= kThin * opening.voxel_mm)
     lines.push_back(text_of_area(o));
-  // Ends of surfaces are as flat and as round as these are.
-  if (opening.is_of_surface || !opening.squares) return lines;
-  if (o.shape.off_mm > kOff * opening.voxel_mm)
+  const double flat_mm =
+      opening.is_of_surface ? opening.off_mm + kOffEnd * opening.radius_mm() : kOff * opening.voxel_mm;
+  if ((opening.is_of_surface || opening.squares) && o.shape.off_mm > flat_mm)
     lines.push_back(fmt::format("{} is not flat: {} is {:.2g} mm off its plane", o.patches,
                                 place_text(o.shape.off_at_mm), o.shape.off_mm));
+  // Ends of surfaces are as round as these are.
+  if (opening.is_of_surface || !opening.squares) return lines;
   const double voxel_mm2 = opening.voxel_mm * opening.voxel_mm;
   const std::vector<double> holes_mm2 = opening.squares->hole_areas_mm2();
   const std::size_t most = 1 + holes_mm2.size();

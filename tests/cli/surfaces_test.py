@@ -127,6 +127,15 @@ class SurfacesTest(ProgramTest):
             self.assertIn(f"capped {end['name']}: radius", out)
         self.assertEqual({p["name"] for p in self.info(mesh)["patches"]}, {"wall", "inlet_1", "outlet_1"})
 
+    def test_caps_are_planar_where_the_wall_of_another_vessel_passes(self):
+        """Within a twentieth of the radius of the first vessel's rims."""
+        points, triangles = tube(length=20, around=36)
+        second = [(x + 4.1, y + 0.3, z - 10) for x, y, z in points]
+        both = triangles + [tuple(v + len(points) for v in t) for t in triangles]
+        _, report, _ = self.mesh(self.stl("two.stl", points + second, both))
+        self.assertEqual(len(report["openings"]), 4)
+        for end in report["openings"]: self.assertLess(end["off_plane_mm"], 1e-12 * end["radius_mm"], end["patches"])
+
     def test_numbers_of_patches_may_be_written_as_floating_point(self):
         points, *parts = closed_tube()
         triangles = sum(parts, [])

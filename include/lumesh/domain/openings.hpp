@@ -67,6 +67,7 @@ struct Opening {
   /// more together.
   bool is_rim = false;
   bool is_of_surface = false;  ///< One of flat_ends(): others may be openings, too.
+  double off_mm = 0;           ///< Largest distance of a corner of such an end from its plane.
   std::string name = {};       ///< Name of its patch in meshes, see find_openings().
 
   /// Radius of the circle with the same area.
@@ -157,8 +158,9 @@ inline constexpr double kWrongOpeningPercent = 5;
 [[nodiscard]] std::vector<std::string> faults_of(const OpeningsCompared& compared);
 
 /// Those, and a line for each opening that is less good than it should be: an area that is off by more than
-/// 2 % (5 % below two voxels in radius), a vertex off the plane by more than a thousandth of a voxel, fewer
-/// than eight edges around, more or fewer rims than the image's opening has.
+/// 2 % (5 % below two voxels in radius), a vertex off the plane by more than a thousandth of a voxel, or by a
+/// millionth of the radius more than the surface's own end is, fewer than eight edges around, more or fewer
+/// rims than the image's opening has.
 [[nodiscard]] std::vector<std::string> doubts_about(const OpeningsCompared& compared);
 
 }  // namespace lumesh

@@ -227,6 +227,18 @@ TEST(CompareOpenings, TellsPartsRimsAndWhatIsNotFlat) {
             "inlet_1 has 54 mm², 10.0 % less than the input's 60 mm² at (4.0, 4.0, 0.0) mm, in 2 parts");
 }
 
+TEST(CompareOpenings, TellsEndsThatAreLessFlatThanTheSurfaces) {
+  std::vector<Opening> openings = {square_with_hole()};
+  openings[0].is_of_surface = true;
+  MixedMesh mesh = plate([](int x, int y) { return x < 3 || x > 4 || y < 3 || y > 4; });
+  EXPECT_TRUE(doubts_about(compare_openings(mesh.view(), openings)).empty());
+  mesh.points[0].z() = 1e-5;
+  EXPECT_EQ(doubts_about(compare_openings(mesh.view(), openings)),
+            std::vector<std::string>{"inlet_1 is not flat: (0.0, 0.0, 0.0) mm is 1e-05 mm off its plane"});
+  openings[0].off_mm = 1e-5;
+  EXPECT_TRUE(doubts_about(compare_openings(mesh.view(), openings)).empty());
+}
+
 TEST(CompareOpenings, WallsThatAreCalledSymmetryAreNone) {
   const std::vector<Opening> openings = {
       {1, 100, Vec3(10, 10, 23.5), Vec3::UnitZ(), Box3(Vec3(4, 4, 23.5), Vec3(16, 16, 23.5))}};
