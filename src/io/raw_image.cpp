@@ -58,7 +58,8 @@ Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& c
 
 void warn_of_size(const fs::path& path, const ImageHeader& header, const ImageFrame& frame,
                   Context& context) {
-  const std::string doubt = unit_doubt(frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).maxCoeff());
+  const std::string doubt =
+      unit_doubt({.longest_mm = frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).maxCoeff()});
   if (!header.has_spacing)
     context.warn(path.string() + ": says nothing of the size of voxels; taken as 1 mm");
   else if (!doubt.empty() && !header.unit_is_given)

@@ -4,24 +4,47 @@
 
 #include <algorithm>
 
+#include "face_ids.hpp"
+
 namespace lumesh {
 
-std::string unit_doubt(double longest_mm, double widest_radius_mm) {
-  constexpr double kMinMm = 1, kMaxMm = 4000;
+namespace {
+
+/// Whether the widest opening is too thin for a model in mm.
+bool is_thin(const ModelSizes& sizes) {
   // Models of vessels begin with a large one: 2.5 mm across are an aorta in cm rather than the widest of a
-  // tree. Single coronary and cerebral arteries in mm are 1.5 to 2 mm wide and up to 30 mm long.
-  constexpr double kWideRadiusMm = 1.25, kLongMm = 32, kLongInRadii = 45;
-  const auto remedy = [](const char* unit) {
-    return fmt::format("`unit` {} says so, `unit` mm the opposite", unit);
-  };
-  if (longest_mm < kMinMm)
-    return fmt::format("is {:.3g} mm long; is it in metres? {}", longest_mm, remedy("m"));
-  if (longest_mm > kMaxMm)
-    return fmt::format("is {:.3g} mm long; is it in micrometres? {}", longest_mm, remedy("um"));
-  if (widest_radius_mm > 0 && widest_radius_mm < kWideRadiusMm &&
-      longest_mm > std::min(kLongMm, kLongInRadii * widest_radius_mm))
+  // tree. Single coronary and cerebral arteries in mm are 1.5 to 2 mm wide and up to 30 mm long, and none
+  // that is the widest of a model is thinner than 1 mm.
+  constexpr double kThinRadiusMm = 0.5, kWideRadiusMm = 1.25, kLongMm = 32, kLongInRadii = 45;
+  const double radius_mm = sizes.widest_radius_mm;
+  if (!(radius_mm > 0 && radius_mm < kWideRadiusMm)) return false;
+  return radius_mm < kThinRadiusMm || sizes.longest_mm > std::min(kLongMm, kLongInRadii * radius_mm);
+}
+
+std::string remedy(const char* unit) {
+  return fmt::format("`unit` {} says so, `unit` mm the opposite", unit);
+}
+
+}  // namespace
+
+bool has_numbered_faces(std::span<const Patch> patches) {
+  return std::ranges::any_of(patches,
+                             [](const Patch& patch) { return patch.name.starts_with(io::kNumberedFace); });
+}
+
+std::string unit_doubt(const ModelSizes& sizes) {
+  constexpr double kMinMm = 1, kMaxMm = 4000;
+  constexpr double kShortModelMm = 10;  // Crops of brain arteries in mm may be half as long.
+  if (sizes.longest_mm < kMinMm)
+    return fmt::format("is {:.3g} mm long; is it in metres? {}", sizes.longest_mm, remedy("m"));
+  if (sizes.longest_mm > kMaxMm)
+    return fmt::format("is {:.3g} mm long; is it in micrometres? {}", sizes.longest_mm, remedy("um"));
+  if (is_thin(sizes))
     return fmt::format("is {:.3g} mm long, and its widest opening {:.2g} mm across; is it in cm? {}",
-                       longest_mm, 2 * widest_radius_mm, remedy("cm"));
+                       sizes.longest_mm, 2 * sizes.widest_radius_mm, remedy("cm"));
+  if (sizes.has_numbered_faces && sizes.widest_radius_mm > 0 && sizes.longest_mm < kShortModelMm)
+    return fmt::format("is {:.3g} mm long; is it in cm, as models of SimVascular often are? {}",
+                       sizes.longest_mm, remedy("cm"));
   return "";
 }
 

@@ -90,9 +90,11 @@ MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& uni
 
 std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings) {
   if (surface.points.empty()) return "";
-  double widest_mm = 0;
-  for (const Opening& opening : openings) widest_mm = std::max(widest_mm, opening.lumen_radius_mm());
-  return unit_doubt(bounding_box(surface.points).sizes().maxCoeff(), widest_mm);
+  ModelSizes sizes{bounding_box(surface.points).sizes().maxCoeff()};
+  for (const Opening& opening : openings)
+    sizes.widest_radius_mm = std::max(sizes.widest_radius_mm, opening.lumen_radius_mm());
+  sizes.has_numbered_faces = has_numbered_faces(surface.info.patches);
+  return unit_doubt(sizes);
 }
 
 void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, const std::string& unit,

@@ -1,13 +1,26 @@
 #pragma once
 /// @file Whether lengths of a file can be millimetres.
 
+#include <span>
 #include <string>
+
+#include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
 
-/// What to say of an image or a surface that is so long; empty if vessels are: between a few mm and a body's
-/// length, and unless the whole is long and its widest opening as thin as large vessels are in cm.
-/// @param widest_radius_mm  Of the openings; 0: not known.
-[[nodiscard]] std::string unit_doubt(double longest_mm, double widest_radius_mm = 0);
+/// What tells the unit of an image or a surface.
+struct ModelSizes {
+  double longest_mm = 0;            ///< Longest side of its box.
+  double widest_radius_mm = 0;      ///< Radius of the widest opening; 0: not known.
+  bool has_numbered_faces = false;  ///< Numbers for names, as models of SimVascular have, often in cm.
+};
+
+/// Whether a file has numbers of faces, rather than names.
+[[nodiscard]] bool has_numbered_faces(std::span<const Patch> patches);
+
+/// What to say of the unit; empty if sizes are those of vessels in mm. Warned of: a whole that is shorter
+/// than 1 mm or longer than a body; a widest opening of less than 0.5 mm in radius, or as thin as large
+/// vessels in cm are where the whole is long; and numbered faces where the whole is shorter than 10 mm.
+[[nodiscard]] std::string unit_doubt(const ModelSizes& sizes);
 
 }  // namespace lumesh

@@ -3,23 +3,37 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 namespace lumesh {
 namespace {
 
 TEST(UnitDoubt, IsOfLengthsThatNoVesselHasInMillimetres) {
-  EXPECT_NE(unit_doubt(0.3).find("`unit` m says so"), std::string::npos);
-  EXPECT_NE(unit_doubt(250000).find("`unit` um says so"), std::string::npos);
-  EXPECT_NE(unit_doubt(34.5, 1.0).find("`unit` cm says so"), std::string::npos);  // An aorta.
-  EXPECT_NE(unit_doubt(15, 0.3).find("`unit` cm says so"), std::string::npos);    // A carotid artery.
+  EXPECT_NE(unit_doubt({0.3}).find("`unit` m says so"), std::string::npos);
+  EXPECT_NE(unit_doubt({250000}).find("`unit` um says so"), std::string::npos);
+  EXPECT_NE(unit_doubt({34.5, 1.0}).find("`unit` cm says so"), std::string::npos);  // An aorta.
+  EXPECT_NE(unit_doubt({15, 0.3}).find("`unit` cm says so"), std::string::npos);    // A carotid artery.
+  EXPECT_NE(unit_doubt({3.4, 0.1}).find("`unit` cm says so"), std::string::npos);
+  EXPECT_NE(unit_doubt({3.5, 0.25}).find("`unit` cm says so"), std::string::npos);
+}
+
+TEST(UnitDoubt, IsOfShortModelsWithNumberedFaces) {
+  const std::vector<Patch> numbered = {{"face_1"}}, named = {{"wall"}};
+  EXPECT_TRUE(has_numbered_faces(numbered));
+  EXPECT_FALSE(has_numbered_faces(named));
+  EXPECT_NE(unit_doubt({5, 1.5, true}).find("SimVascular"), std::string::npos);  // Its two cylinders.
+  EXPECT_EQ(unit_doubt({152, 6.4, true}), "");                                   // Its bifurcation.
 }
 
 TEST(UnitDoubt, IsNotOfCerebralAndCoronaryArteriesInMillimetres) {
-  EXPECT_EQ(unit_doubt(49.6, 1.72), "");  // fenics-aneurysm.
-  EXPECT_EQ(unit_doubt(12.1, 0.94), "");  // A short piece of a small one.
-  EXPECT_EQ(unit_doubt(20, 1.0), "");
-  EXPECT_EQ(unit_doubt(30, 0.75), "");
-  EXPECT_EQ(unit_doubt(120, 1.6), "");
-  EXPECT_EQ(unit_doubt(400, 12), "");
+  EXPECT_EQ(unit_doubt({49.6, 1.72}), "");  // fenics-aneurysm.
+  EXPECT_EQ(unit_doubt({12.1, 0.94}), "");  // A short piece of a small one.
+  EXPECT_EQ(unit_doubt({4.8, 1.63}), "");   // VaMPy's artery.
+  EXPECT_EQ(unit_doubt({20, 1.0}), "");
+  EXPECT_EQ(unit_doubt({30, 0.75}), "");
+  EXPECT_EQ(unit_doubt({120, 1.6}), "");
+  EXPECT_EQ(unit_doubt({400, 12}), "");
 }
 
 }  // namespace
