@@ -4,22 +4,24 @@
 #include <cmath>
 #include <numeric>
 
-#include "boundary_choice.hpp"
-#include "fit.hpp"
 #include "hexahedra.hpp"
+#include "labelled_lattice.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/patch_names.hpp"
+#include "lumesh/fitting/boundary_choice.hpp"
+#include "lumesh/fitting/boundary_model.hpp"
+#include "lumesh/fitting/fit.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "notes.hpp"
 #include "refinement.hpp"
 #include "size_grid.hpp"
-#include "work_mesh.hpp"
 
 namespace lumesh {
 
 namespace {
 
-MixedMesh to_mixed_mesh(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain) {
+MixedMesh to_mixed_mesh(fitting::WorkMesh& mesh, const fitting::BoundaryModel& boundary,
+                        const ImageDomain& domain) {
   MixedMesh out;
   out.points = std::move(mesh.positions);
   out.tetrahedra = std::move(mesh.tets);
@@ -49,9 +51,9 @@ std::vector<double> object_voxels(const LabelImage& image, const ImageDomain& do
 }
 
 /// A lattice as fine as the options ask for, with the material of every tetrahedron.
-WorkMesh make_labelled_lattice(const LabelImage& image, const ImageDomain& domain,
-                               const LatticeOptions& options, const std::vector<double>& voxels,
-                               Context& context, LatticeReport& report) {
+fitting::WorkMesh make_labelled_lattice(const LabelImage& image, const ImageDomain& domain,
+                                        const LatticeOptions& options, const std::vector<double>& voxels,
+                                        Context& context, LatticeReport& report) {
   const double coarsest_mm = boundary_spacing_mm(options, domain) * std::exp2(options.coarsening);
   const LatticeFrame frame =
       make_lattice_frame(domain, coarsest_mm, options.coarsening + options.max_refinement);
@@ -65,19 +67,21 @@ WorkMesh make_labelled_lattice(const LabelImage& image, const ImageDomain& domai
 }
 
 /// Changes materials until every label's boundary is a manifold, where it can be.
-void make_manifold(WorkMesh& mesh, const ImageDomain& domain, Context& context, LatticeReport& report) {
-  const BoundaryChoice choice = context.phase("boundary", [&] { return choose_boundary(mesh, domain); });
+void make_manifold(fitting::WorkMesh& mesh, const ImageDomain& domain, Context& context,
+                   LatticeReport& report) {
+  const fitting::BoundaryChoice choice =
+      context.phase("boundary", [&] { return fitting::choose_boundary(mesh, domain); });
   report.relabelled = choice.relabelled;
   report.non_manifold_vertices = choice.non_manifold_vertices;
 }
 
 /// The boundary between materials; tetrahedra of the background are dropped.
-BoundaryModel extract_boundary(WorkMesh& mesh, const ImageDomain& domain) {
-  BoundaryModel boundary = find_boundary(mesh, domain);
+fitting::BoundaryModel extract_boundary(fitting::WorkMesh& mesh, const ImageDomain& domain) {
+  fitting::BoundaryModel boundary = fitting::find_boundary(mesh, domain);
   std::vector<std::uint8_t> keep(mesh.tets.size());
   parallel::for_each_index(keep.size(),
                            [&](std::size_t t) { keep[t] = domain.is_meshed(mesh.materials[t]) ? 1 : 0; });
-  drop_tetrahedra(mesh, boundary, keep);
+  fitting::drop_tetrahedra(mesh, boundary, keep);
   return boundary;
 }
 
@@ -94,15 +98,17 @@ bool raise_fidelity(LatticeOptions& options, const std::vector<Label>& lost) {
   return raised;
 }
 
-FitReport fit_boundary(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
-                       const ImageDomain& domain, const LatticeOptions& options, Context& context) {
+fitting::FitReport fit_boundary(fitting::WorkMesh& mesh, fitting::BoundaryModel& boundary,
+                                const LabelImage& image, const ImageDomain& domain,
+                                const LatticeOptions& options, Context& context) {
   if (mesh.tets.empty())
     throw Error(
         ErrorKind::kBadInput,
         "the object is too small for the lattice; choose a smaller `edge_length` or a higher `fidelity`");
-  const FitOptions fit{options.min_dihedral_deg, options.max_dihedral_deg,
-                       context.phase("probes", [&] { return boundary_probes(image, domain); })};
-  return context.phase("fit", [&] { return fit_to_domain(mesh, boundary, image, domain, fit); });
+  const fitting::FitOptions fit{
+      options.min_dihedral_deg, options.max_dihedral_deg,
+      context.phase("probes", [&] { return fitting::boundary_probes(image, domain); })};
+  return context.phase("fit", [&] { return fitting::fit_to_domain(mesh, boundary, image, domain, fit); });
 }
 
 }  // namespace
@@ -114,15 +120,15 @@ LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, c
   const std::vector<double> voxels = context.phase("count", [&] { return object_voxels(image, domain); });
   LatticeResult result;
   LatticeOptions finer = options;
-  WorkMesh mesh;
-  BoundaryModel boundary;
+  fitting::WorkMesh mesh;
+  fitting::BoundaryModel boundary;
   int rescues = 0;
   do {
     mesh = make_labelled_lattice(image, domain, finer, voxels, context, result.report);
     make_manifold(mesh, domain, context, result.report);
     boundary = context.phase("model", [&] { return extract_boundary(mesh, domain); });
   } while (rescues++ < kMaxRescues && raise_fidelity(finer, lost_labels(mesh, domain, voxels)));
-  const FitReport fit = fit_boundary(mesh, boundary, image, domain, options, context);
+  const fitting::FitReport fit = fit_boundary(mesh, boundary, image, domain, options, context);
   add_shortcomings(mesh, fit, domain, options, voxels, result.report);
   result.mesh = to_mixed_mesh(mesh, boundary, domain);
   if (options.mixed)

@@ -11,14 +11,14 @@ namespace lumesh {
 namespace {
 
 /// A bit for each material: it has voxels, but no tetrahedron.
-std::vector<bool> lost_materials(const WorkMesh& mesh, const std::vector<double>& voxels) {
+std::vector<bool> lost_materials(const fitting::WorkMesh& mesh, const std::vector<double>& voxels) {
   std::vector<bool> lost(voxels.size());
   for (Material m = 1; m < voxels.size(); ++m) lost[m] = voxels[m] > 0;
   for (const Material m : mesh.materials) lost[m] = false;
   return lost;
 }
 
-void note_lost(const WorkMesh& mesh, const ImageDomain& domain, const std::vector<double>& voxels,
+void note_lost(const fitting::WorkMesh& mesh, const ImageDomain& domain, const std::vector<double>& voxels,
                LatticeReport& report) {
   const std::vector<bool> lost = lost_materials(mesh, voxels);
   for (Material m = 1; m < voxels.size(); ++m) {
@@ -29,7 +29,7 @@ void note_lost(const WorkMesh& mesh, const ImageDomain& domain, const std::vecto
   }
 }
 
-void note_fit(const FitReport& fit, LatticeReport& report) {
+void note_fit(const fitting::FitReport& fit, LatticeReport& report) {
   report.deviating_points = fit.deviating_points;
   report.furthest_deviation_mm = fit.furthest_deviation_mm;
   if (fit.vertices_beyond > 0)
@@ -56,10 +56,10 @@ void note_limits(const LatticeOptions& options, LatticeReport& report) {
 }
 
 /// Labels that are too thin for the lattice fill another volume than their voxels.
-void note_volumes(const WorkMesh& mesh, const ImageDomain& domain, const std::vector<double>& voxels,
+void note_volumes(const fitting::WorkMesh& mesh, const ImageDomain& domain, const std::vector<double>& voxels,
                   LatticeReport& report) {
   constexpr double kMuch = 0.05;
-  const std::vector<double> filled = material_volumes_mm3(mesh, voxels.size());
+  const std::vector<double> filled = fitting::material_volumes_mm3(mesh, voxels.size());
   std::size_t count = 0;
   double worst = 0;
   Label label = 0;
@@ -82,7 +82,7 @@ void note_volumes(const WorkMesh& mesh, const ImageDomain& domain, const std::ve
 
 }  // namespace
 
-std::vector<Label> lost_labels(const WorkMesh& mesh, const ImageDomain& domain,
+std::vector<Label> lost_labels(const fitting::WorkMesh& mesh, const ImageDomain& domain,
                                const std::vector<double>& voxels) {
   const std::vector<bool> lost = lost_materials(mesh, voxels);
   std::vector<Label> labels;
@@ -91,7 +91,7 @@ std::vector<Label> lost_labels(const WorkMesh& mesh, const ImageDomain& domain,
   return labels;
 }
 
-void add_shortcomings(const WorkMesh& mesh, const FitReport& fit, const ImageDomain& domain,
+void add_shortcomings(const fitting::WorkMesh& mesh, const fitting::FitReport& fit, const ImageDomain& domain,
                       const LatticeOptions& options, const std::vector<double>& voxels,
                       LatticeReport& report) {
   note_lost(mesh, domain, voxels, report);

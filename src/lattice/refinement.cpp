@@ -198,7 +198,7 @@ class Refiner {
   }
 
   /// Whether a corner may belong to a tetrahedron of the object: the nearest of the places that decide on its
-  /// label (work_mesh.cpp) is hardly ever further away than this.
+  /// label (labelled_lattice.cpp) is hardly ever further away than this.
   bool near_inside(Key corner, int level) const {
     constexpr double kReach = 0.6;  // spacings
     const ImageDomain::Surroundings here = domain_.surroundings(frame_.position_mm(corner));

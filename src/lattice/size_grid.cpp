@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "boundary_bricks.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
+#include "lumesh/field/boundary_bricks.hpp"
 #include "lumesh/image/neighbourhood.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/sum.hpp"

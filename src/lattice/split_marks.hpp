@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bcc.hpp"
-#include "cells.hpp"
 #include "lumesh/core/grid.hpp"
 #include "refinement.hpp"
 

@@ -5,7 +5,6 @@
 #include <map>
 #include <utility>
 
-#include "../src/lattice/cells.hpp"
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"

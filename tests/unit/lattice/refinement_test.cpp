@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-#include "../src/lattice/work_mesh.hpp"
+#include "../src/lattice/labelled_lattice.hpp"
 #include "fixtures/images.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -91,9 +91,9 @@ TEST(Refinement, TheOrderOfLatticeTetrahedraDoesNotMatter) {
   const LabelImage image = speckled_ball(8, 6);
   const ImageDomain domain(image, {});
   Lattice lattice = lattice_of(image, domain, 3);
-  const WorkMesh expected = make_work_mesh(lattice.tetrahedra, lattice.frame, domain);
+  const fitting::WorkMesh expected = make_work_mesh(lattice.tetrahedra, lattice.frame, domain);
   std::shuffle(lattice.tetrahedra.begin(), lattice.tetrahedra.end(), std::mt19937(5));
-  const WorkMesh mesh = make_work_mesh(lattice.tetrahedra, lattice.frame, domain);
+  const fitting::WorkMesh mesh = make_work_mesh(lattice.tetrahedra, lattice.frame, domain);
   EXPECT_EQ(mesh.tets, expected.tets);
   EXPECT_EQ(mesh.positions, expected.positions);
   EXPECT_EQ(mesh.materials, expected.materials);
