@@ -3,7 +3,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "cells.hpp"
+#include "cube_keys.hpp"
 
 namespace lumesh::fitting {
 
@@ -17,15 +17,15 @@ class SparsePoints {
   explicit SparsePoints(double apart_mm) : apart_mm_(apart_mm) {}
   /// False if another one is too close.
   bool add(const Vec3& p) {
-    const Index3 cell = cell_of(p, apart_mm_);
+    const Index3 cell = cube_of(p, apart_mm_);
     for (int n = 0; n < 27; ++n) {
-      const auto found = cells_.find(cell_key(cell + Index3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1)));
+      const auto found = cells_.find(cube_key(cell + Index3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1)));
       if (found == cells_.end()) continue;
       for (const Vec3& q : found->second) {
         if ((q - p).squaredNorm() < apart_mm_ * apart_mm_) return false;
       }
     }
-    cells_[cell_key(cell)].push_back(p);
+    cells_[cube_key(cell)].push_back(p);
     return true;
   }
 

@@ -5,7 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "deviations.hpp"
+#include "deviation.hpp"
+#include "lumesh/fitting/boundary_model.hpp"
 
 namespace lumesh::fitting {
 

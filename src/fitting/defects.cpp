@@ -8,10 +8,12 @@
 #include <utility>
 
 #include "crossings.hpp"
+#include "fitter.hpp"
 #include "folds.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "narrow_gaps.hpp"
+#include "part_crossings.hpp"
 #include "protrusions.hpp"
 
 namespace lumesh::fitting {
@@ -61,7 +63,7 @@ struct RepairResult {
 /// One defect in a part of its own.
 class Defect {
  public:
-  Defect(MeshPart part, OuterSurroundings surroundings, const Vec3& centre_mm, const FitSetting& setting)
+  Defect(MeshPart part, SurroundingSurface surroundings, const Vec3& centre_mm, const FitSetting& setting)
       : part_(std::move(part)),
         surroundings_(std::move(surroundings)),
         centre_mm_(centre_mm),
@@ -183,7 +185,7 @@ class Defect {
   [[nodiscard]] std::size_t count_steep() const {
     return static_cast<std::size_t>(
         std::ranges::count_if(part_.boundary.triangles, [&](const BoundaryTriangle& t) {
-          return stands_steeper(part_.mesh, t, setting_.domain, min_cosine_);
+          return is_steep_wall(part_.mesh, t, setting_.domain, min_cosine_);
         }));
   }
 
@@ -212,7 +214,7 @@ class Defect {
                  double good_enough) {
     deviations = close_some_gaps(std::move(deviations));
     if (deviations.empty()) return;
-    const SurfaceStars surface(part_.boundary, part_.mesh.positions.size());
+    const BoundaryStars surface(part_.boundary, part_.mesh.positions.size());
     const std::vector<Deviation> worst(
         deviations.begin(),
         deviations.begin() + static_cast<std::ptrdiff_t>(std::min(deviations.size(), kAtOnce)));
@@ -238,7 +240,7 @@ class Defect {
   }
 
   MeshPart part_;
-  OuterSurroundings surroundings_;
+  SurroundingSurface surroundings_;
   bool may_steepen_ = true;
   double min_cosine_ = 0;
   std::size_t max_steep_ = 0;
@@ -319,7 +321,7 @@ class DefectRepair {
     if (work_left_ == 0 && dull_rounds_ >= 3) return false;
     const std::vector<Vec3> centres = choose_centres(deviations, tried_, 2 * part_mm_ + edge_mm_);
     if (centres.empty()) return false;
-    const SurfaceTree tree(whole_.mesh, whole_.boundary, centres, part_mm_ + edge_mm_);
+    const BoundaryTree tree(whole_.mesh, whole_.boundary, centres, part_mm_ + edge_mm_);
     const std::size_t share = work_left_ / centres.size();
     std::vector<Repaired> repaired(centres.size());
     parallel::for_each_index(centres.size(), 1,
@@ -340,11 +342,11 @@ class DefectRepair {
     std::size_t work = 0;
   };
 
-  [[nodiscard]] Repaired repair_defect(const SurfaceTree& tree, const Vec3& centre_mm,
+  [[nodiscard]] Repaired repair_defect(const BoundaryTree& tree, const Vec3& centre_mm,
                                        std::size_t share) const {
     const std::size_t made = tried_.tries_at(centre_mm);
     MeshPart part = cut_out(whole_, tree, centre_mm, part_mm_);
-    OuterSurroundings surroundings(whole_, tree, part, setting_.domain);
+    SurroundingSurface surroundings(whole_, tree, part, setting_.domain);
     Defect defect(std::move(part), std::move(surroundings), centre_mm, setting_);
     const std::size_t cost = defect.cost();
     std::size_t max_tries = 1;

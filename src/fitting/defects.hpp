@@ -1,7 +1,10 @@
 #pragma once
 // Repair of defects: places where the surface and the domain's boundary are still too far apart, one by one.
 
-#include "deviations.hpp"
+#include <cstddef>
+#include <vector>
+
+#include "deviation_finder.hpp"
 #include "mesh_part.hpp"
 
 namespace lumesh::fitting {

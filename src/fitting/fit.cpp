@@ -9,10 +9,10 @@
 #include "exposed_tetrahedra.hpp"
 #include "fitter.hpp"
 #include "folds.hpp"
-#include "offsets.hpp"
-#include "rims.hpp"
+#include "opening_rims.hpp"
+#include "sagittas.hpp"
 #include "vertex_blocks.hpp"
-#include "wall.hpp"
+#include "wall_settling.hpp"
 
 namespace lumesh::fitting {
 
@@ -49,11 +49,11 @@ void add_beyond_cuts(const WorkMesh& mesh, const BoundaryModel& boundary, const 
   }
 }
 
-void level_openings(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& setting) {
+void flatten_openings(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& setting) {
   build_stars(mesh);
   VertexTargets none;
   const VertexBlocks all_stay;
-  Fitter(mesh, boundary, none, setting, all_stay).level_openings();
+  Fitter(mesh, boundary, none, setting, all_stay).flatten_openings();
 }
 
 /// Carries the boundary of the whole lattice roughly to its place and removes tetrahedra that are exposed
@@ -81,7 +81,7 @@ void fit_boundary(Fitter& fitter, DeviationFinder& finder, const WorkMesh& mesh,
   fitter.approach(1);
   fitter.attract_to_protrusions(
       finder.find_probe_deviations(mesh, boundary, kProtrusionVoxels * domain.voxel_size_mm()), 3);
-  targets.offset_mm = fitter.averaged(sag_offsets_mm(mesh, boundary, domain));
+  targets.offset_mm = fitter.averaged(sagitta_offsets_mm(mesh, boundary, domain));
   fitter.fit(2);
   fitter.fit_and_improve(4, kGood);
 }
@@ -111,7 +111,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   remove_folds(mesh, boundary, setting);
   choose_rims(mesh, boundary, domain);  // Triangles that have come to lie in a cut plane.
   without_crossing([&] { settle_wall(mesh, boundary, domain, setting.limits); });
-  level_openings(mesh, boundary, setting);
+  flatten_openings(mesh, boundary, setting);
   FitReport report =
       report_on(deviations, finder.deviating_probe_distances_mm(mesh, boundary), domain.voxel_size_mm());
   remove_beyond_cuts(mesh, boundary, domain);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "anchors.hpp"
+#include "boundary_tree.hpp"
 #include "crossings.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
@@ -17,9 +18,9 @@ namespace lumesh::fitting {
 
 namespace {
 
-constexpr double kArrived = 0.02;            // voxels from its target at which a vertex counts as arrived
-constexpr double kLevel = 1e-4;              // voxels from its cut plane at which a vertex counts as in it
-constexpr AngleLimits kLevelLimits{8, 165};  // Last resort for openings that are not flat.
+constexpr double kArrived = 0.02;  // voxels from its target at which a vertex counts as arrived
+constexpr double kInPlane = 1e-4;  // voxels from its cut plane at which a vertex counts as in it
+constexpr AngleLimits kFlatteningLimits{8, 165};             // Last resort for openings that are not flat.
 constexpr double kStepShares[] = {1.0, 0.7, 0.4, 0.2, 0.1};  // of the way to its target that are tried
 
 /// A place brought into the cut planes of a vertex of this set.
@@ -50,7 +51,7 @@ Fitter::Fitter(WorkMesh& mesh, BoundaryModel& boundary, VertexTargets& targets, 
       floor_(angle_floor(setting.limits)),
       surface_(boundary, mesh.positions.size()),
       blocks_(blocks),
-      waiting_(mesh.positions.size(), 1) {
+      active_(mesh.positions.size(), 1) {
   targets_.resize(mesh.positions.size());
 }
 
@@ -62,27 +63,27 @@ void Fitter::approach(int sweeps) {
 }
 
 void Fitter::fit(int sweeps) {
-  try_all_again();
+  activate_all();
   for (int s = 0; s < sweeps; ++s) sweep(blocks_, [&](std::uint32_t v) { fit_vertex(v, floor_); });
 }
 
 void Fitter::fit_and_improve(int sweeps, double good_enough) {
-  try_all_again();
+  activate_all();
   improve(blocks_, sweeps, good_enough);
 }
 
 void Fitter::refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& vertices, int sweeps,
                         double good_enough) {
   for (int s = 0; s < sweeps; ++s) {
-    try_all_again();
+    activate_all();
     sweep(vertices, [&](std::uint32_t v) {
       if (v < places_mm.size()) carry_vertex(v, within_cuts(domain_, boundary_.sets[v], places_mm[v]));
     });
   }
-  std::ranges::fill(waiting_, std::uint8_t{0});
+  std::ranges::fill(active_, std::uint8_t{0});
   for (const std::vector<VertexBlocks::Block>& of_class : vertices.classes) {
     for (const VertexBlocks::Block& block : of_class) {
-      for (const std::uint32_t v : block) wake_star(v);
+      for (const std::uint32_t v : block) activate_star(v);
     }
   }
   improve(blocks_, sweeps, good_enough);
@@ -90,14 +91,14 @@ void Fitter::refit_from(const std::vector<Vec3>& places_mm, const VertexBlocks& 
 
 void Fitter::bring_within_cuts(int rounds, int sweeps, double good_enough) {
   for (int round = 0; round < rounds; ++round) {
-    std::ranges::fill(waiting_, std::uint8_t{0});
+    std::ranges::fill(active_, std::uint8_t{0});
     bool any = false;
     for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
       const Vec3 within = within_cuts(domain_, boundary_.sets[v], mesh_.positions[v]);
       if (within == mesh_.positions[v]) continue;
       any = true;
       put_if_valid(v, within);
-      wake_star(v);
+      activate_star(v);
     }
     if (!any) return;
     improve(blocks_, sweeps, good_enough);
@@ -121,7 +122,7 @@ bool Fitter::put_if_valid(std::uint32_t v, const Vec3& place) {
 }
 
 void Fitter::squeeze_within_cuts() {
-  std::optional<SurfaceTree> tree;  // Made if there is anything to do, which is rare.
+  std::optional<BoundaryTree> tree;  // Made if there is anything to do, which is rare.
   double moved_mm = 0;
   for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
     const Vec3 before = mesh_.positions[v];
@@ -140,17 +141,17 @@ void Fitter::squeeze_within_cuts() {
   }
 }
 
-void Fitter::level_openings() {
-  const double last_resort = std::min(floor_, angle_floor(kLevelLimits));
-  std::optional<SurfaceTree> tree;  // Made if there is anything to do.
+void Fitter::flatten_openings() {
+  const double last_resort = std::min(floor_, angle_floor(kFlatteningLimits));
+  std::optional<BoundaryTree> tree;  // Made if there is anything to do.
   double moved_mm = 0;
   for (const double floor : {floor_, last_resort}) {
     for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
-      if (off_cuts_mm(domain_, boundary_.sets[v], mesh_.positions[v]) <= kLevel * domain_.voxel_size_mm())
+      if (off_cuts_mm(domain_, boundary_.sets[v], mesh_.positions[v]) <= kInPlane * domain_.voxel_size_mm())
         continue;
       if (!tree) tree.emplace(mesh_, boundary_);
       for (const Vec3& place : places_in_cuts(v, floor)) {
-        const std::optional<double> way_mm = level_vertex(v, place, floor, *tree, moved_mm);
+        const std::optional<double> way_mm = flatten_at(v, place, floor, *tree, moved_mm);
         if (!way_mm) continue;
         moved_mm = std::max(moved_mm, *way_mm);
         break;
@@ -162,8 +163,8 @@ void Fitter::level_openings() {
 /// Takes a vertex to a place and relaxes the vertices within two rings of it; all stays if angles or the
 /// surface do not allow that.
 /// @return How far anything has moved.
-std::optional<double> Fitter::level_vertex(std::uint32_t v, const Vec3& place, double floor,
-                                           const SurfaceTree& tree, double moved_mm) {
+std::optional<double> Fitter::flatten_at(std::uint32_t v, const Vec3& place, double floor,
+                                         const BoundaryTree& tree, double moved_mm) {
   constexpr int kSweeps = 4;
   constexpr double kGood = 0.3;
   const std::vector<std::uint32_t> near = two_rings(v);
@@ -227,7 +228,7 @@ std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v, double floor) const {
   std::pair<double, Vec3> best{0, middle};
   const auto consider = [&](const Vec3& target) {
     const Vec3 y = within_cuts(domain_, set, onto_cuts(domain_, set, target));
-    if (off_cuts_mm(domain_, set, y) > kLevel * domain_.voxel_size_mm()) return;
+    if (off_cuts_mm(domain_, set, y) > kInPlane * domain_.voxel_size_mm()) return;
     const Score then = score(v, star, y, -2);
     if (then.angles > best.first) best = {then.angles, y};
     if (then.angles < enough || then.facing < std::min(floor, now.facing)) return;
@@ -268,24 +269,24 @@ std::vector<Vec3> Fitter::candidates_around(std::uint32_t v) const {
 }
 
 void Fitter::attract_to_protrusions(const std::vector<Deviation>& deviations, int sweeps) {
-  wake_anchored(deviations);
-  const VertexBlocks near = two_rings_awake();
+  activate_anchored(deviations);
+  const VertexBlocks near = activate_two_rings();
   for (int s = 0; s < sweeps; ++s) sweep(near, [&](std::uint32_t v) { fit_vertex(v, floor_); });
 }
 
 void Fitter::attract_to(const std::vector<Deviation>& deviations, int sweeps, double good_enough) {
-  wake_anchored(deviations);
+  activate_anchored(deviations);
   for (const Deviation& deviation : deviations) {
-    for (const std::uint32_t v : boundary_.triangles[deviation.triangle].vertices) wake_star(v);
+    for (const std::uint32_t v : boundary_.triangles[deviation.triangle].vertices) activate_star(v);
   }
-  improve(two_rings_awake(), sweeps, good_enough);
+  improve(activate_two_rings(), sweeps, good_enough);
 }
 
 void Fitter::improve_at(std::span<const std::uint32_t> triangles, int sweeps, double good_enough) {
-  std::ranges::fill(waiting_, std::uint8_t{0});
+  std::ranges::fill(active_, std::uint8_t{0});
   for (const std::uint32_t i : triangles)
-    for (const std::uint32_t v : boundary_.triangles[i].vertices) wake_star(v);
-  improve(two_rings_awake(), sweeps, good_enough);
+    for (const std::uint32_t v : boundary_.triangles[i].vertices) activate_star(v);
+  improve(activate_two_rings(), sweeps, good_enough);
 }
 
 void Fitter::improve(const VertexBlocks& blocks, int sweeps, double good_enough) {
@@ -297,52 +298,52 @@ void Fitter::improve(const VertexBlocks& blocks, int sweeps, double good_enough)
   }
 }
 
-/// Lets every waiting vertex move once. Vertices wait until they have been tried, and again once something in
-/// their star has moved.
+/// Moves every active vertex once. Vertices are active until they have been tried, and again once something
+/// in their star has moved.
 template <class Move>
 void Fitter::sweep(const VertexBlocks& blocks, const Move& move) {
   for (const std::vector<VertexBlocks::Block>& of_class : blocks.classes) {
-    parallel::for_each_index(of_class.size(), 1, [&](std::size_t b) { move_waiting(of_class[b], move); });
+    parallel::for_each_index(of_class.size(), 1, [&](std::size_t b) { move_active(of_class[b], move); });
   }
 }
 
 template <class Move>
-void Fitter::move_waiting(const VertexBlocks::Block& block, const Move& move) {
+void Fitter::move_active(const VertexBlocks::Block& block, const Move& move) {
   const double small2 = std::pow(0.03 * domain_.voxel_size_mm(), 2);
   for (const std::uint32_t v : block) {
-    if (waiting_[v] == 0) continue;
-    waiting_[v] = 0;
+    if (active_[v] == 0) continue;
+    active_[v] = 0;
     const Vec3 before = mesh_.positions[v];
     move(v);
-    if ((mesh_.positions[v] - before).squaredNorm() > small2) wake_star(v);
+    if ((mesh_.positions[v] - before).squaredNorm() > small2) activate_star(v);
   }
 }
 
 /// Another kind of move follows.
-void Fitter::try_all_again() {
-  std::ranges::fill(waiting_, std::uint8_t{1});
+void Fitter::activate_all() {
+  std::ranges::fill(active_, std::uint8_t{1});
 }
 
-void Fitter::wake_star(std::uint32_t v) {
+void Fitter::activate_star(std::uint32_t v) {
   for (const std::uint32_t t : mesh_.star(v)) {
-    for (const std::uint32_t w : mesh_.tets[t]) parallel::raise(waiting_[w]);
+    for (const std::uint32_t w : mesh_.tets[t]) parallel::raise(active_[w]);
   }
 }
 
-/// Sends vertices to deviating probes; only the stars around these vertices wait then.
-void Fitter::wake_anchored(const std::vector<Deviation>& deviations) {
-  std::ranges::fill(waiting_, std::uint8_t{0});
+/// Sends vertices to deviating probes; only the stars around these vertices are active then.
+void Fitter::activate_anchored(const std::vector<Deviation>& deviations) {
+  std::ranges::fill(active_, std::uint8_t{0});
   for (const std::uint32_t v : set_anchors(mesh_, boundary_, domain_, deviations, targets_.anchors_mm))
-    wake_star(v);
+    activate_star(v);
 }
 
-/// Wakes the vertices around those that wait; all of these, block by block.
-VertexBlocks Fitter::two_rings_awake() {
-  const std::vector<std::uint8_t> first_ring = waiting_;
+/// Makes the vertices around the active ones active; all of these, block by block.
+VertexBlocks Fitter::activate_two_rings() {
+  const std::vector<std::uint8_t> first_ring = active_;
   parallel::for_each_index(first_ring.size(), [&](std::size_t v) {
-    if (first_ring[v] != 0) wake_star(static_cast<std::uint32_t>(v));
+    if (first_ring[v] != 0) activate_star(static_cast<std::uint32_t>(v));
   });
-  return pick_vertices(blocks_, [&](std::uint32_t v) { return waiting_[v] != 0; });
+  return pick_vertices(blocks_, [&](std::uint32_t v) { return active_[v] != 0; });
 }
 
 std::vector<double> Fitter::averaged(const std::vector<double>& values) const {

@@ -4,30 +4,15 @@
 #include <optional>
 #include <vector>
 
-#include "deviations.hpp"
+#include "boundary_stars.hpp"
+#include "deviation.hpp"
+#include "fit_setting.hpp"
 #include "star_quality.hpp"
-#include "surface_stars.hpp"
 #include "vertex_blocks.hpp"
 
 namespace lumesh::fitting {
 
-/// Input of a fit; all of it must outlive the fit.
-struct FitSetting {
-  const LabelImage& image;
-  const ImageDomain& domain;
-  AngleLimits limits;
-};
-
-/// Places of vertices other than on the nearest boundary.
-struct VertexTargets {
-  std::vector<double> offset_mm;                ///< Distance from the boundary.
-  std::vector<std::optional<Vec3>> anchors_mm;  ///< Places that the surface passes by, anchors.hpp.
-
-  void resize(std::size_t vertices) {
-    offset_mm.resize(vertices, 0.0);
-    anchors_mm.resize(vertices);
-  }
-};
+class BoundaryTree;
 
 /// Moves the vertices of some blocks; others stay. Tetrahedra keep a positive volume and, once they have
 /// them, dihedral angles within the limits. Bitwise identical for every thread count.
@@ -60,7 +45,7 @@ class Fitter {
   /// Brings vertices of openings that an angle's limit has kept short of their cut plane into it, at the
   /// places nearest to their curves that the limits allow, where the surface does not come to cross itself.
   /// What these do not allow may have angles of 8 to 165 degrees: single tetrahedra, but a flat opening.
-  void level_openings();
+  void flatten_openings();
 
   /// Attracts the surface to deviating probes; only vertices around these move.
   void attract_to_protrusions(const std::vector<Deviation>& deviations, int sweeps);
@@ -86,12 +71,12 @@ class Fitter {
   template <class Move>
   void sweep(const VertexBlocks& blocks, const Move& move);
   template <class Move>
-  void move_waiting(const VertexBlocks::Block& block, const Move& move);
+  void move_active(const VertexBlocks::Block& block, const Move& move);
   void improve(const VertexBlocks& blocks, int sweeps, double good_enough);
-  void try_all_again();
-  void wake_star(std::uint32_t v);
-  void wake_anchored(const std::vector<Deviation>& deviations);
-  [[nodiscard]] VertexBlocks two_rings_awake();
+  void activate_all();
+  void activate_star(std::uint32_t v);
+  void activate_anchored(const std::vector<Deviation>& deviations);
+  [[nodiscard]] VertexBlocks activate_two_rings();
 
   [[nodiscard]] bool constrained(std::uint32_t v) const { return boundary_.sets[v].size() >= 2; }
   [[nodiscard]] Vec3 mean_of_star(std::uint32_t v) const;
@@ -104,8 +89,8 @@ class Fitter {
   [[nodiscard]] double distance_to_target(std::uint32_t v) const;
   [[nodiscard]] Score score(std::uint32_t v, StarQuality& star, const Vec3& x, double enough) const;
   [[nodiscard]] double facing(std::uint32_t v, const Vec3& x) const;
-  std::optional<double> level_vertex(std::uint32_t v, const Vec3& place, double floor,
-                                     const SurfaceTree& tree, double moved_mm);
+  std::optional<double> flatten_at(std::uint32_t v, const Vec3& place, double floor, const BoundaryTree& tree,
+                                   double moved_mm);
   [[nodiscard]] std::vector<std::uint32_t> two_rings(std::uint32_t v) const;
   [[nodiscard]] double worst_angles(std::span<const std::uint32_t> vertices) const;
   [[nodiscard]] std::vector<Vec3> places_in_cuts(std::uint32_t v, double floor) const;
@@ -120,9 +105,9 @@ class Fitter {
   VertexTargets& targets_;
   const ImageDomain& domain_;
   double floor_;
-  SurfaceStars surface_;
+  BoundaryStars surface_;
   const VertexBlocks& blocks_;
-  std::vector<std::uint8_t> waiting_;  // flag per vertex: worth a try
+  std::vector<std::uint8_t> active_;  // flag per vertex: not tried since something in its star moved
 };
 
 }  // namespace lumesh::fitting

@@ -5,6 +5,7 @@
 
 #include "crossings.hpp"
 #include "exposed_tetrahedra.hpp"
+#include "fitter.hpp"
 #include "lumesh/domain/facing.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -12,8 +13,8 @@
 
 namespace lumesh::fitting {
 
-bool stands_steeper(const WorkMesh& mesh, const BoundaryTriangle& triangle, const ImageDomain& domain,
-                    double min_cosine) {
+bool is_steep_wall(const WorkMesh& mesh, const BoundaryTriangle& triangle, const ImageDomain& domain,
+                   double min_cosine) {
   if (triangle.outside != 0) return false;
   const auto& [a, b, c] = triangle.vertices;
   const std::vector<Vec3>& at = mesh.positions;
@@ -26,7 +27,7 @@ namespace {
 std::vector<std::uint32_t> find_folds(const WorkMesh& mesh, const BoundaryModel& boundary,
                                       const ImageDomain& domain) {
   return parallel::collect<std::uint32_t>(boundary.triangles.size(), [&](std::size_t i, auto& out) {
-    if (stands_steeper(mesh, boundary.triangles[i], domain, 0)) out.push_back(static_cast<std::uint32_t>(i));
+    if (is_steep_wall(mesh, boundary.triangles[i], domain, 0)) out.push_back(static_cast<std::uint32_t>(i));
   });
 }
 

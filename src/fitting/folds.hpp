@@ -1,7 +1,7 @@
 #pragma once
 // Folds of the wall: triangles that face against the domain's boundary.
 
-#include "fitter.hpp"
+#include "fit_setting.hpp"
 #include "lumesh/fitting/boundary_model.hpp"
 #include "lumesh/fitting/work_mesh.hpp"
 
@@ -9,8 +9,8 @@ namespace lumesh::fitting {
 
 /// Whether a triangle is of the wall, and the cosine between its normal and that of the domain's boundary is
 /// below a bound: 0 for folds.
-[[nodiscard]] bool stands_steeper(const WorkMesh& mesh, const BoundaryTriangle& triangle,
-                                  const ImageDomain& domain, double min_cosine);
+[[nodiscard]] bool is_steep_wall(const WorkMesh& mesh, const BoundaryTriangle& triangle,
+                                 const ImageDomain& domain, double min_cosine);
 
 /// Takes folds out of the walls as far as the limits of the angles allow: drops tetrahedra that stand on a
 /// wall with a folded face, then moves the vertices around the folds that are left, anchored ones too. The

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <unordered_set>
 
+#include "boundary_tree.hpp"
 #include "lumesh/core/sort_unique.hpp"
 
 namespace lumesh::fitting {
@@ -45,7 +46,7 @@ VertexBlocks MeshPart::movable() const {
   return blocks;
 }
 
-MeshPart cut_out(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& centre_mm, double radius_mm) {
+MeshPart cut_out(const WholeMesh& whole, const BoundaryTree& tree, const Vec3& centre_mm, double radius_mm) {
   MeshPart part;
   const Vec3 reach = Vec3::Constant(radius_mm);
   const std::vector<std::uint32_t> near = tree.overlapping(centre_mm - reach, centre_mm + reach);

@@ -1,12 +1,16 @@
 #pragma once
 // A part of the mesh with its own numbers, which may change by itself and be put back.
 
+#include <cstdint>
 #include <vector>
 
-#include "fitter.hpp"
-#include "surface_tree.hpp"
+#include "fit_setting.hpp"
+#include "lumesh/fitting/boundary_model.hpp"
+#include "vertex_blocks.hpp"
 
 namespace lumesh::fitting {
+
+class BoundaryTree;
 
 struct MeshPart {
   WorkMesh mesh;  ///< Without neighbours.
@@ -34,7 +38,7 @@ struct WholeMesh {
 /// The tetrahedra at the vertices within a radius that are connected to a boundary there, and the boundary
 /// triangles with such a vertex.
 /// @param tree  Has the triangles with a vertex within the radius.
-[[nodiscard]] MeshPart cut_out(const WholeMesh& whole, const SurfaceTree& tree, const Vec3& centre_mm,
+[[nodiscard]] MeshPart cut_out(const WholeMesh& whole, const BoundaryTree& tree, const Vec3& centre_mm,
                                double radius_mm);
 
 /// Puts a part back, with the stars of its vertices.

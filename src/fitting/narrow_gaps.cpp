@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "boundary_stars.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
-#include "surface_stars.hpp"
+#include "star_quality.hpp"
 
 namespace lumesh::fitting {
 
@@ -201,7 +202,7 @@ class NarrowGaps {
     for (const std::uint32_t i : vanishing)
       boundary_.triangles.erase(boundary_.triangles.begin() + static_cast<std::ptrdiff_t>(i));
     build_stars(mesh_);
-    surface_ = SurfaceStars(boundary_, mesh_.positions.size());
+    surface_ = BoundaryStars(boundary_, mesh_.positions.size());
     for (const std::uint32_t v : touched) {
       if (surface_.triangles(v).empty()) boundary_.sets[v] = MaterialSet();
     }
@@ -212,7 +213,7 @@ class NarrowGaps {
   const ImageDomain& domain_;
   const std::vector<std::uint8_t>& fixed_;
   const AngleLimits& limits_;
-  SurfaceStars surface_;
+  BoundaryStars surface_;
 };
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "deviations.hpp"
+#include "deviation.hpp"
+#include "fit_setting.hpp"
 #include "lumesh/fitting/boundary_model.hpp"
-#include "star_quality.hpp"
 
 namespace lumesh::fitting {
 

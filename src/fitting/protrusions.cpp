@@ -9,6 +9,7 @@
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "star_quality.hpp"
 #include "triangle_grid.hpp"
 
 namespace lumesh::fitting {
@@ -17,8 +18,8 @@ namespace {
 
 class ProtrusionGrower {
  public:
-  ProtrusionGrower(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
-                   const SurfaceTree& tree, const ImageDomain& domain, const ProtrusionOptions& options)
+  ProtrusionGrower(WorkMesh& mesh, BoundaryModel& boundary, const BoundaryStars& surface,
+                   const BoundaryTree& tree, const ImageDomain& domain, const ProtrusionOptions& options)
       : mesh_(mesh),
         boundary_(boundary),
         surface_(surface),
@@ -87,7 +88,7 @@ class ProtrusionGrower {
 
   [[nodiscard]] std::optional<Option> best_at(std::uint32_t i, const Attempt& attempt) const {
     const BoundaryTriangle& t = boundary_.triangles[i];
-    const Corners3 p = corners(t.vertices);
+    const TriangleCorners p = corners_of(mesh_, t.vertices);
     const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
     const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
     const double height = normal.dot(attempt.place_mm - middle);
@@ -139,7 +140,7 @@ class ProtrusionGrower {
     if (option.neighbour == kNoTet || is_fixed(option.top) || are_neighbours(c, option.top))
       return std::nullopt;
     option.apex = mesh_.positions[option.top];
-    const Corners3 p = corners(t.vertices);
+    const TriangleCorners p = corners_of(mesh_, t.vertices);
     option.distance_mm = distance_mm(p, option, attempt.probe_mm);
     const bool useful = attempt.is_outlier
                             ? lies_inside(t, p, option)
@@ -182,7 +183,7 @@ class ProtrusionGrower {
   [[nodiscard]] bool angles_good(const Option& o) const {
     const Triangle& t = boundary_.triangles[o.triangle].vertices;
     if (o.tet == kNoTet) {
-      const Corners3 p = corners(t);
+      const TriangleCorners p = corners_of(mesh_, t);
       return angles_good(p[0], p[1], p[2], o.apex);
     }
     const bool stays = domain_.is_meshed(other_side(o));
@@ -254,7 +255,7 @@ class ProtrusionGrower {
       }
     }
     const auto distance2 = [&](std::uint32_t i) {
-      const Corners3 p = corners(boundary_.triangles[i].vertices);
+      const TriangleCorners p = corners_of(mesh_, boundary_.triangles[i].vertices);
       return ((p[0] + p[1] + p[2]) / 3 - probe.position_mm).squaredNorm();
     };
     sort_unique(found, [&](std::uint32_t a, std::uint32_t b) {
@@ -268,10 +269,6 @@ class ProtrusionGrower {
     Box3 box(apex);
     for (const std::uint32_t v : t) box.extend(mesh_.positions[v]);
     return box;
-  }
-
-  [[nodiscard]] Corners3 corners(const Triangle& t) const {
-    return {mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]};
   }
 
   [[nodiscard]] bool angles_good(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
@@ -306,7 +303,7 @@ class ProtrusionGrower {
   }
 
   /// Distance of a point from the new triangles.
-  [[nodiscard]] static double distance_mm(const Corners3& p, const Option& o, const Vec3& from) {
+  [[nodiscard]] static double distance_mm(const TriangleCorners& p, const Option& o, const Vec3& from) {
     double min2 = std::numeric_limits<double>::infinity();
     for (std::size_t e = 0; e < 3; ++e) {
       if (e == o.shared) continue;
@@ -318,7 +315,7 @@ class ProtrusionGrower {
 
   /// Whether the new triangles stay close to the boundary between their materials, and do not turn their
   /// backs to it.
-  [[nodiscard]] bool lies_at_boundary(const BoundaryTriangle& base, const Corners3& p,
+  [[nodiscard]] bool lies_at_boundary(const BoundaryTriangle& base, const TriangleCorners& p,
                                       const Option& o) const {
     const Vec3& apex = o.apex;
     const auto off = [&](const Vec3& x) {
@@ -341,7 +338,8 @@ class ProtrusionGrower {
   }
 
   /// Whether a valley lies in the label and its filling nearly so.
-  [[nodiscard]] bool lies_inside(const BoundaryTriangle& base, const Corners3& p, const Option& o) const {
+  [[nodiscard]] bool lies_inside(const BoundaryTriangle& base, const TriangleCorners& p,
+                                 const Option& o) const {
     const auto depth = [&](const Vec3& x) {
       return domain_.separation(x, base.inside, base.outside).value / domain_.voxel_size_mm();
     };
@@ -363,9 +361,9 @@ class ProtrusionGrower {
 
   [[nodiscard]] bool hits(const Triangle& other, const Option& o) const {
     const Triangle& base = boundary_.triangles[o.triangle].vertices;
-    const Corners3 p = corners(base);
+    const TriangleCorners p = corners_of(mesh_, base);
     const Vec3& apex = o.apex;
-    const Corners3 q = corners(other);
+    const TriangleCorners q = corners_of(mesh_, other);
     constexpr double kMinGap = 0.94;  // cosine of 20 degrees
     for (std::size_t e = 0; e < 3; ++e) {
       const std::size_t f = (e + 1) % 3;
@@ -433,8 +431,8 @@ class ProtrusionGrower {
 
   WorkMesh& mesh_;
   BoundaryModel& boundary_;
-  const SurfaceStars& surface_;
-  const SurfaceTree& tree_;
+  const BoundaryStars& surface_;
+  const BoundaryTree& tree_;
   const ImageDomain& domain_;
   const ProtrusionOptions& options_;
   std::vector<std::uint8_t> keep_;  // per tetrahedron
@@ -444,7 +442,7 @@ class ProtrusionGrower {
 
 }  // namespace
 
-std::size_t grow_protrusions(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
+std::size_t grow_protrusions(WorkMesh& mesh, BoundaryModel& boundary, const BoundaryStars& surface,
                              const ImageDomain& domain, const std::vector<Deviation>& deviations,
                              const ProtrusionOptions& options) {
   std::vector<Vec3> places;
@@ -452,7 +450,7 @@ std::size_t grow_protrusions(WorkMesh& mesh, BoundaryModel& boundary, const Surf
     for (const std::uint32_t v : boundary.triangles[deviation.triangle].vertices)
       places.push_back(mesh.positions[v]);
   }
-  const SurfaceTree tree(mesh, boundary, places, kNearVoxels * domain.voxel_size_mm());
+  const BoundaryTree tree(mesh, boundary, places, kNearVoxels * domain.voxel_size_mm());
   return ProtrusionGrower(mesh, boundary, surface, tree, domain, options).run(deviations);
 }
 

@@ -4,9 +4,9 @@
 
 #include <span>
 
-#include "deviations.hpp"
-#include "star_quality.hpp"
-#include "surface_stars.hpp"
+#include "boundary_stars.hpp"
+#include "deviation.hpp"
+#include "fit_setting.hpp"
 
 namespace lumesh::fitting {
 
@@ -24,7 +24,7 @@ struct ProtrusionOptions {
 /// keep their limits, the boundary stays a manifold that does not cut itself, and the surface comes closer.
 /// Rebuilds the mesh's stars, but not its neighbours, which it does not need. New vertices come last.
 /// @return Number of deviations that a tetrahedron was added or changed for.
-std::size_t grow_protrusions(WorkMesh& mesh, BoundaryModel& boundary, const SurfaceStars& surface,
+std::size_t grow_protrusions(WorkMesh& mesh, BoundaryModel& boundary, const BoundaryStars& surface,
                              const ImageDomain& domain, const std::vector<Deviation>& deviations,
                              const ProtrusionOptions& options);
 

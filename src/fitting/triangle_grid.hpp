@@ -7,17 +7,15 @@
 #include <unordered_map>
 #include <vector>
 
-#include "cells.hpp"
+#include "cube_keys.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/fitting/work_mesh.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 
 namespace lumesh::fitting {
 
-using Corners3 = std::array<Vec3, 3>;
-
 /// Whether a segment passes through a triangle.
-[[nodiscard]] inline bool crosses(const Vec3& p, const Vec3& q, const Corners3& t) {
+[[nodiscard]] inline bool crosses(const Vec3& p, const Vec3& q, const TriangleCorners& t) {
   const auto side = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     return tetrahedron_volume(a, b, c, d);
   };
@@ -47,8 +45,8 @@ class TriangleGrid {
  private:
   template <class Body>
   void for_each_cell(const Box3& box, const Body& body) const {
-    for_each_place(cell_of(box.min(), cell_mm_), cell_of(box.max(), cell_mm_),
-                   [&](const Index3& cell) { body(cell_key(cell)); });
+    for_each_place(cube_of(box.min(), cell_mm_), cube_of(box.max(), cell_mm_),
+                   [&](const Index3& cell) { body(cube_key(cell)); });
   }
   double cell_mm_;
   std::unordered_map<std::uint64_t, std::vector<Triangle>> cells_;

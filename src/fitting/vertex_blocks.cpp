@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "cells.hpp"
+#include "cube_keys.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::fitting {
@@ -32,7 +32,7 @@ std::vector<std::uint32_t> vertices_near_boundary(const WorkMesh& mesh, const Bo
 
 namespace {
 
-/// From the last bits of the indices along the axes (cell_key).
+/// From the last bits of the indices along the axes (cube_key).
 std::size_t class_of(std::uint64_t block) {
   return (block & 1) | (block >> 20 & 2) | (block >> 40 & 4);
 }
@@ -48,7 +48,7 @@ VertexBlocks make_vertex_blocks(const WorkMesh& mesh, const std::vector<std::uin
   };
   std::vector<Entry> entries(vertices.size());
   parallel::for_each_index(entries.size(), [&](std::size_t i) {
-    entries[i] = {cell_key(cell_of(mesh.positions[vertices[i]], block_mm)), vertices[i]};
+    entries[i] = {cube_key(cube_of(mesh.positions[vertices[i]], block_mm)), vertices[i]};
   });
   parallel::sort(entries.begin(), entries.end());
   VertexBlocks blocks;

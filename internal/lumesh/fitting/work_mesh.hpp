@@ -55,6 +55,11 @@ struct WorkMesh {
   }
 };
 
+using TriangleCorners = std::array<Vec3, 3>;
+[[nodiscard]] inline TriangleCorners corners_of(const WorkMesh& mesh, const Triangle& t) {
+  return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+}
+
 [[nodiscard]] double longest_edge_mm(const WorkMesh& mesh);
 /// Volumes of the tetrahedra of each material.
 [[nodiscard]] std::vector<double> material_volumes_mm3(const WorkMesh& mesh, std::size_t materials);

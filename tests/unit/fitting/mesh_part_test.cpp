@@ -43,7 +43,7 @@ BlockWithBoundary block_with_boundary() {
 }
 
 MeshPart part_of(const WholeMesh& whole, const Vec3& centre_mm, double radius_mm) {
-  return cut_out(whole, SurfaceTree(whole.mesh, whole.boundary), centre_mm, radius_mm);
+  return cut_out(whole, BoundaryTree(whole.mesh, whole.boundary), centre_mm, radius_mm);
 }
 
 double volume_of(const WorkMesh& mesh, const std::vector<std::uint32_t>& without) {

@@ -1,4 +1,4 @@
-#include "deviations.hpp"
+#include "deviation_finder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr double kAhead = 3;  // how far from an outlier triangle the boundary i
 // two and a half edges, that is.
 constexpr double kSagitta = 0.05;
 
-double longest_edge(const std::array<Vec3, 3>& p) {
+double longest_edge(const TriangleCorners& p) {
   return std::sqrt(
       std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()}));
 }
@@ -52,17 +52,17 @@ std::vector<Deviation> DeviationFinder::probe_deviations(const WorkMesh& mesh, c
     const bool stays = last < moved_.size() && moved_[last] == 0;
     if (!stays && !is_close(last, (*probes_)[i].position_mm)) out.push_back(static_cast<std::uint32_t>(i));
   });
-  const SurfaceTree tree = tree_near(mesh, boundary, lost);
+  const BoundaryTree tree = tree_near(mesh, boundary, lost);
   return parallel::collect_blocks<Deviation>(
       lost.size(), 512, [&](std::size_t begin, std::size_t end, std::vector<Deviation>& out) {
-        std::uint32_t last = SurfaceTree::kNone;
+        std::uint32_t last = BoundaryTree::kNone;
         for (std::size_t n = begin; n < end; ++n) {
           const Probe& probe = (*probes_)[lost[n]];
           // Many are close to the triangle of the probe before, which saves the search.
           if (!is_close(last, probe.position_mm)) {
-            const SurfaceTree::Nearest nearest = tree.nearest(probe.position_mm);
-            last = nearest.distance_mm > limit_mm ? SurfaceTree::kNone : nearest.triangle;
-            const bool is_far = last == SurfaceTree::kNone && nearest.triangle != SurfaceTree::kNone;
+            const BoundaryTree::Nearest nearest = tree.nearest(probe.position_mm);
+            last = nearest.distance_mm > limit_mm ? BoundaryTree::kNone : nearest.triangle;
+            const bool is_far = last == BoundaryTree::kNone && nearest.triangle != BoundaryTree::kNone;
             if (is_far && deviates(mesh, boundary, tree, probe, nearest))
               out.push_back({nearest.distance_mm, probe, nearest.triangle, probe.position_mm,
                              nearest.distance_mm, false, true});
@@ -75,13 +75,12 @@ std::vector<Deviation> DeviationFinder::probe_deviations(const WorkMesh& mesh, c
 /// Longest edge of the triangles at the place of the surface that is nearest to a point, whichever of them is
 /// found first.
 double DeviationFinder::longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                           const SurfaceTree& tree, const Vec3& point,
-                                           const SurfaceTree::Nearest& nearest) const {
+                                           const BoundaryTree& tree, const Vec3& point,
+                                           const BoundaryTree::Nearest& nearest) const {
   const auto corners = [&](std::uint32_t triangle) {
-    const auto& [a, b, c] = boundary.triangles[triangle].vertices;
-    return std::array{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+    return corners_of(mesh, boundary.triangles[triangle].vertices);
   };
-  const std::array<Vec3, 3> found = corners(nearest.triangle);
+  const TriangleCorners found = corners(nearest.triangle);
   const Vec3 place = closest_point_on_triangle(point, found[0], found[1], found[2]);
   const Vec3 touch = Vec3::Constant(1e-6 * domain_->voxel_size_mm());
   double longest = 0;
@@ -91,8 +90,8 @@ double DeviationFinder::longest_edge_at_mm(const WorkMesh& mesh, const BoundaryM
 }
 
 /// False if the surface is as far from the probe as flat triangles of their size are.
-bool DeviationFinder::deviates(const WorkMesh& mesh, const BoundaryModel& boundary, const SurfaceTree& tree,
-                               const Probe& probe, const SurfaceTree::Nearest& nearest) const {
+bool DeviationFinder::deviates(const WorkMesh& mesh, const BoundaryModel& boundary, const BoundaryTree& tree,
+                               const Probe& probe, const BoundaryTree::Nearest& nearest) const {
   return nearest.distance_mm >
          kSagitta * longest_edge_at_mm(mesh, boundary, tree, probe.position_mm, nearest);
 }
@@ -101,19 +100,19 @@ std::vector<double> DeviationFinder::deviating_probe_distances_mm(const WorkMesh
                                                                   const BoundaryModel& boundary) const {
   std::vector<Vec3> places;
   for (std::size_t i = 0; i < probes_->size(); ++i) {
-    if (close_[i] == SurfaceTree::kNone) places.push_back((*probes_)[i].position_mm);
+    if (close_[i] == BoundaryTree::kNone) places.push_back((*probes_)[i].position_mm);
   }
   std::vector<double> distances(places.size());
   if (places.empty()) return distances;
-  const SurfaceTree tree(mesh, boundary);
+  const BoundaryTree tree(mesh, boundary);
   parallel::for_each_index(places.size(),
                            [&](std::size_t i) { distances[i] = tree.nearest(places[i]).distance_mm; });
   return distances;
 }
 
 /// Tree of the triangles near the probes; of all triangles when most probes are searched, as the first time.
-SurfaceTree DeviationFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                       const std::vector<std::uint32_t>& probes) const {
+BoundaryTree DeviationFinder::tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                        const std::vector<std::uint32_t>& probes) const {
   if (probes.size() > probes_->size() / 16) return {mesh, boundary};
   std::vector<Vec3> places;
   places.reserve(probes.size());
@@ -139,8 +138,7 @@ void DeviationFinder::append_outliers(const WorkMesh& mesh, const BoundaryModel&
                                       std::vector<Deviation>& out) const {
   const BoundaryTriangle& t = boundary.triangles[triangle];
   if (domain_->is_cut(t.outside)) return;
-  const auto& [a, b, c] = t.vertices;
-  const std::array<Vec3, 3> p = {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+  const TriangleCorners p = corners_of(mesh, t.vertices);
   const double min_mm = std::max(limit_mm, kSagitta * longest_edge(p));
   double off_mm = 0;
   Vec3 from = Vec3::Zero();

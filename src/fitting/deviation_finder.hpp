@@ -1,28 +1,15 @@
 #pragma once
-// Surface deviations: where the surface and the domain's boundary are too far apart.
+// Finds where the surface and the domain's boundary are too far apart.
 
-#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "boundary_tree.hpp"
+#include "deviation.hpp"
 #include "lumesh/fitting/boundary_model.hpp"
-#include "lumesh/fitting/probes.hpp"
-#include "surface_tree.hpp"
 
 namespace lumesh::fitting {
-
-/// A probe of the domain's boundary and the triangle that should come closer to it.
-struct Deviation {
-  double distance_mm;
-  Probe probe;
-  std::uint32_t triangle;
-  Vec3 place_mm;    ///< Position of the probe; for an outlier, of the triangle's point that is furthest off.
-  double off_mm;    ///< Distance of the surface from the probe; for an outlier, from the nearest boundary.
-  bool is_outlier;  ///< The triangle is far from its boundary; the probe is what it faces or, if it faces
-                    ///< nothing within three voxels, what is nearest.
-  bool is_attractable;  ///< Whether a vertex may be sent to the probe: not where an outlier faces nothing.
-};
 
 /// Finds deviations again and again while the surface moves; remembers a triangle close to each probe and
 /// looks again only where triangles have moved.
@@ -30,7 +17,7 @@ class DeviationFinder {
  public:
   /// All that is given must stay.
   DeviationFinder(const ImageDomain& domain, const std::vector<Probe>& probes)
-      : domain_(&domain), probes_(&probes), close_(probes.size(), SurfaceTree::kNone) {}
+      : domain_(&domain), probes_(&probes), close_(probes.size(), BoundaryTree::kNone) {}
 
   /// Probes further than `limit_mm` from the surface and triangles further than that from their boundary, but
   /// for what flat triangles of their size cut off, the furthest first. Between calls, of the same limit,
@@ -50,13 +37,13 @@ class DeviationFinder {
   void note_moved_triangles(const WorkMesh& mesh, const BoundaryModel& boundary);
   [[nodiscard]] std::vector<Deviation> probe_deviations(const WorkMesh& mesh, const BoundaryModel& boundary,
                                                         double limit_mm);
-  [[nodiscard]] bool deviates(const WorkMesh& mesh, const BoundaryModel& boundary, const SurfaceTree& tree,
-                              const Probe& probe, const SurfaceTree::Nearest& nearest) const;
+  [[nodiscard]] bool deviates(const WorkMesh& mesh, const BoundaryModel& boundary, const BoundaryTree& tree,
+                              const Probe& probe, const BoundaryTree::Nearest& nearest) const;
   [[nodiscard]] double longest_edge_at_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                          const SurfaceTree& tree, const Vec3& point,
-                                          const SurfaceTree::Nearest& nearest) const;
-  [[nodiscard]] SurfaceTree tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                      const std::vector<std::uint32_t>& probes) const;
+                                          const BoundaryTree& tree, const Vec3& point,
+                                          const BoundaryTree::Nearest& nearest) const;
+  [[nodiscard]] BoundaryTree tree_near(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                       const std::vector<std::uint32_t>& probes) const;
   void update_outliers(const WorkMesh& mesh, const BoundaryModel& boundary, double limit_mm);
   void append_outliers(const WorkMesh& mesh, const BoundaryModel& boundary, std::uint32_t triangle,
                        double limit_mm, std::vector<Deviation>& out) const;

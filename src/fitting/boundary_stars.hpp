@@ -8,10 +8,10 @@
 
 namespace lumesh::fitting {
 
-class SurfaceStars {
+class BoundaryStars {
  public:
-  SurfaceStars() = default;
-  SurfaceStars(const BoundaryModel& boundary, std::size_t vertex_count);
+  BoundaryStars() = default;
+  BoundaryStars(const BoundaryModel& boundary, std::size_t vertex_count);
 
   /// Vertices joined to v by an edge of a boundary triangle and bound by at least v's materials, ascending.
   [[nodiscard]] std::span<const std::uint32_t> neighbours(std::uint32_t v) const { return neighbours_.of(v); }

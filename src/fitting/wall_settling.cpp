@@ -1,4 +1,4 @@
-#include "wall.hpp"
+#include "wall_settling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "lumesh/operators/settling.hpp"
-#include "offsets.hpp"
+#include "sagittas.hpp"
 
 namespace lumesh::fitting {
 
@@ -68,7 +68,7 @@ void settle_wall(WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomai
   settle();
   // In thin parts many stay short of their places: the others make up for the volume.
   constexpr double kLittle = 1e-3;  // Voxels.
-  shifts = mean_sags_mm(mesh, boundary, domain);
+  shifts = mean_sagittas_mm(mesh, boundary, domain);
   const bool is_much = std::ranges::any_of(
       shifts, [&](const auto& one) { return std::abs(one.second) > kLittle * domain.voxel_size_mm(); });
   if (!is_much) return;

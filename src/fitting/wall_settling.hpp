@@ -1,8 +1,8 @@
 #pragma once
 // The last step of the fit: vertices of the boundary come to stand exactly where they should.
 
+#include "fit_setting.hpp"
 #include "lumesh/fitting/boundary_model.hpp"
-#include "star_quality.hpp"
 
 namespace lumesh::fitting {
 

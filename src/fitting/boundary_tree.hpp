@@ -15,7 +15,7 @@ namespace lumesh::fitting {
 inline constexpr double kNearVoxels = 8;
 
 /// A tree over boundary triangles as they lie when it is made.
-class SurfaceTree {
+class BoundaryTree {
  public:
   static constexpr std::uint32_t kNone = TriangleTree::kNone;
   struct Nearest {
@@ -24,10 +24,10 @@ class SurfaceTree {
   };
 
   /// Over all triangles.
-  SurfaceTree(const WorkMesh& mesh, const BoundaryModel& boundary);
+  BoundaryTree(const WorkMesh& mesh, const BoundaryModel& boundary);
   /// Over the triangles whose centres are within `reach_mm` of any of the places, and some more.
-  SurfaceTree(const WorkMesh& mesh, const BoundaryModel& boundary, std::span<const Vec3> places,
-              double reach_mm);
+  BoundaryTree(const WorkMesh& mesh, const BoundaryModel& boundary, std::span<const Vec3> places,
+               double reach_mm);
 
   [[nodiscard]] Nearest nearest(const Vec3& p) const;
   /// Triangles whose boxes meet [low, high], ascending.

@@ -1,4 +1,4 @@
-#include "rims.hpp"
+#include "opening_rims.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "boundary_stars.hpp"
 #include "lumesh/core/sort_unique.hpp"
-#include "surface_stars.hpp"
 
 namespace lumesh::fitting {
 
@@ -140,7 +140,7 @@ class RimChoice {
   const WorkMesh& mesh_;
   BoundaryModel& boundary_;
   const ImageDomain& domain_;
-  SurfaceStars surface_;
+  BoundaryStars surface_;
   std::vector<std::uint32_t> touched_;  // Corners of the triangles that changed.
 };
 

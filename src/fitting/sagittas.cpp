@@ -1,4 +1,4 @@
-#include "offsets.hpp"
+#include "sagittas.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,15 +10,10 @@ namespace lumesh::fitting {
 
 namespace {
 
-using TriangleCorners = std::array<Vec3, 3>;
-
-TriangleCorners corners_of(const WorkMesh& mesh, const BoundaryTriangle& t) {
-  return {mesh.positions[t.vertices[0]], mesh.positions[t.vertices[1]], mesh.positions[t.vertices[2]]};
-}
-
 /// Mean of the boundary's distance in mm at places of a triangle, > 0 where they lie inside the label.
 template <std::size_t N>
-double mean_sag_mm(const ImageDomain& domain, const BoundaryTriangle& t, const std::array<Vec3, N>& places) {
+double mean_sagitta_mm(const ImageDomain& domain, const BoundaryTriangle& t,
+                       const std::array<Vec3, N>& places) {
   double mean = 0;
   for (const Vec3& p : places) {
     const FieldSample s = domain.separation(p, t.inside, t.outside);
@@ -41,29 +36,30 @@ std::array<Vec3, 3> edge_middles(const TriangleCorners& p) {
 }
 
 double doubled_area_mm2(const WorkMesh& mesh, const BoundaryTriangle& t) {
-  const auto [a, b, c] = corners_of(mesh, t);
+  const auto [a, b, c] = corners_of(mesh, t.vertices);
   return triangle_area_normal(a, b, c).norm();
 }
 
 }  // namespace
 
-Shifts mean_sags_mm(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain) {
+Shifts mean_sagittas_mm(const WorkMesh& mesh, const BoundaryModel& boundary, const ImageDomain& domain) {
   struct Interface {
     double area = 0, volume = 0;  // The volume is missing on the side of the first material.
   };
-  std::vector<double> sag(boundary.triangles.size());
-  parallel::for_each_index(sag.size(), [&](std::size_t i) {
+  std::vector<double> sagitta(boundary.triangles.size());
+  parallel::for_each_index(sagitta.size(), [&](std::size_t i) {
     const BoundaryTriangle& t = boundary.triangles[i];
-    sag[i] = domain.is_cut(t.outside) ? 0 : mean_sag_mm(domain, t, edge_middles(corners_of(mesh, t)));
+    sagitta[i] =
+        domain.is_cut(t.outside) ? 0 : mean_sagitta_mm(domain, t, edge_middles(corners_of(mesh, t.vertices)));
   });
   std::map<std::pair<Material, Material>, Interface> interfaces;
-  for (std::size_t i = 0; i < sag.size(); ++i) {
+  for (std::size_t i = 0; i < sagitta.size(); ++i) {
     const BoundaryTriangle& t = boundary.triangles[i];
     if (domain.is_cut(t.outside)) continue;
     Interface& at = interfaces[std::minmax(t.inside, t.outside)];
     const double area = doubled_area_mm2(mesh, t);
     at.area += area;
-    at.volume += (t.inside < t.outside ? 1 : -1) * area * sag[i];
+    at.volume += (t.inside < t.outside ? 1 : -1) * area * sagitta[i];
   }
   const double limit = 0.25 * domain.voxel_size_mm();
   Shifts shifts;
@@ -72,24 +68,25 @@ Shifts mean_sags_mm(const WorkMesh& mesh, const BoundaryModel& boundary, const I
   return shifts;
 }
 
-std::vector<double> sag_offsets_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
-                                   const ImageDomain& domain) {
+std::vector<double> sagitta_offsets_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                       const ImageDomain& domain) {
   const double limit = 0.4 * domain.voxel_size_mm();
-  std::vector<double> sag(boundary.triangles.size());
-  parallel::for_each_index(sag.size(), [&](std::size_t i) {
+  std::vector<double> sagitta(boundary.triangles.size());
+  parallel::for_each_index(sagitta.size(), [&](std::size_t i) {
     const BoundaryTriangle& t = boundary.triangles[i];
-    sag[i] = domain.is_cut(t.outside) ? 0 : mean_sag_mm(domain, t, inner_places(corners_of(mesh, t)));
+    sagitta[i] =
+        domain.is_cut(t.outside) ? 0 : mean_sagitta_mm(domain, t, inner_places(corners_of(mesh, t.vertices)));
   });
   std::vector<double> sum(mesh.positions.size(), 0.0);
   std::vector<double> weight(mesh.positions.size(), 0.0);
-  for (std::size_t i = 0; i < sag.size(); ++i) {
+  for (std::size_t i = 0; i < sagitta.size(); ++i) {
     const BoundaryTriangle& t = boundary.triangles[i];
     if (domain.is_cut(t.outside)) continue;
     const double area = doubled_area_mm2(mesh, t);
     for (const std::uint32_t v : t.vertices) {
       const MaterialSet& set = boundary.sets[v];
       if (set.size() != 2) continue;
-      sum[v] += (set[0] == t.inside ? 1 : -1) * area * sag[i];
+      sum[v] += (set[0] == t.inside ? 1 : -1) * area * sagitta[i];
       weight[v] += area;
     }
   }

@@ -1,10 +1,10 @@
-#include "surface_tree.hpp"
+#include "boundary_tree.hpp"
 
 #include <array>
 #include <numeric>
 #include <unordered_set>
 
-#include "cells.hpp"
+#include "cube_keys.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -26,16 +26,16 @@ std::vector<std::uint32_t> near(const WorkMesh& mesh, const BoundaryModel& bound
   std::unordered_set<std::uint64_t> centres;
   std::unordered_set<std::uint64_t> cells;
   for (const Vec3& place : places) {
-    const Index3 cell = cell_of(place, edge_mm);
-    if (!centres.insert(cell_key(cell)).second) continue;
+    const Index3 cell = cube_of(place, edge_mm);
+    if (!centres.insert(cube_key(cell)).second) continue;
     const Index3 rings = Index3::Constant(kRings);
     for_each_place(cell - rings, cell + rings,
-                   [&](const Index3& near_cell) { cells.insert(cell_key(near_cell)); });
+                   [&](const Index3& near_cell) { cells.insert(cube_key(near_cell)); });
   }
   return parallel::collect<std::uint32_t>(boundary.triangles.size(), [&](std::size_t i, auto& out) {
     const auto& [a, b, c] = boundary.triangles[i].vertices;
     const Vec3 centre = (mesh.positions[a] + mesh.positions[b] + mesh.positions[c]) / 3;
-    if (cells.contains(cell_key(cell_of(centre, edge_mm)))) out.push_back(static_cast<std::uint32_t>(i));
+    if (cells.contains(cube_key(cube_of(centre, edge_mm)))) out.push_back(static_cast<std::uint32_t>(i));
   });
 }
 
@@ -49,19 +49,19 @@ TriangleTree tree_of(const WorkMesh& mesh, const BoundaryModel& boundary,
 
 }  // namespace
 
-SurfaceTree::SurfaceTree(const WorkMesh& mesh, const BoundaryModel& boundary)
+BoundaryTree::BoundaryTree(const WorkMesh& mesh, const BoundaryModel& boundary)
     : ids_(all_of(boundary)), tree_(tree_of(mesh, boundary, ids_)) {}
 
-SurfaceTree::SurfaceTree(const WorkMesh& mesh, const BoundaryModel& boundary, std::span<const Vec3> places,
-                         double reach_mm)
+BoundaryTree::BoundaryTree(const WorkMesh& mesh, const BoundaryModel& boundary, std::span<const Vec3> places,
+                           double reach_mm)
     : ids_(near(mesh, boundary, places, reach_mm)), tree_(tree_of(mesh, boundary, ids_)) {}
 
-SurfaceTree::Nearest SurfaceTree::nearest(const Vec3& p) const {
+BoundaryTree::Nearest BoundaryTree::nearest(const Vec3& p) const {
   const TriangleTree::Nearest found = tree_.nearest(p);
   return {found.distance, found.triangle == TriangleTree::kNone ? kNone : ids_[found.triangle]};
 }
 
-std::vector<std::uint32_t> SurfaceTree::overlapping(const Vec3& low, const Vec3& high) const {
+std::vector<std::uint32_t> BoundaryTree::overlapping(const Vec3& low, const Vec3& high) const {
   std::vector<std::uint32_t> found = tree_.overlapping(low, high);
   for (std::uint32_t& i : found) i = ids_[i];
   return found;

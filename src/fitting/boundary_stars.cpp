@@ -1,4 +1,4 @@
-#include "surface_stars.hpp"
+#include "boundary_stars.hpp"
 
 #include <algorithm>
 
@@ -21,7 +21,7 @@ void add_neighbours(const BoundaryModel& boundary, std::span<const std::uint32_t
 
 }  // namespace
 
-SurfaceStars::SurfaceStars(const BoundaryModel& boundary, std::size_t vertex_count) {
+BoundaryStars::BoundaryStars(const BoundaryModel& boundary, std::size_t vertex_count) {
   triangles_ = parallel::group_by_owner(
       boundary.triangles.size(),
       vertex_count, [&](std::size_t t) -> const auto& { return boundary.triangles[t].vertices; });

@@ -1,4 +1,4 @@
-#include "../src/fitting/deviations.hpp"
+#include "../src/fitting/deviation_finder.hpp"
 
 #include <gtest/gtest.h>
 
