@@ -383,6 +383,7 @@ class DefectRepair {
       put_back(whole_, *m.part);
     }
     drop_gone_triangles(whole_);
+    renew_stars(whole_);
   }
 
   WholeMesh& whole_;

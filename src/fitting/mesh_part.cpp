@@ -113,29 +113,11 @@ std::vector<std::uint32_t> new_numbers(const std::vector<std::uint32_t>& replace
   return numbers;
 }
 
-/// Also the tetrahedra at the part's rim that do not belong to it.
-void put_back_stars(WholeMesh& whole, const MeshPart& part, const std::vector<std::uint32_t>& vertices,
-                    const std::vector<std::uint32_t>& tets) {
-  std::vector<std::uint32_t> star;
-  for (std::uint32_t v = 0; v < vertices.size(); ++v) {
-    star.clear();
-    if (v < part.vertices.size()) {
-      for (const std::uint32_t t : whole.mesh.star(vertices[v])) {
-        if (!std::ranges::binary_search(part.tets, t)) star.push_back(t);
-      }
-    }
-    for (const std::uint32_t t : part.mesh.star(v)) star.push_back(tets[t]);
-    whole.mesh.stars.replace(vertices[v], star);
-  }
-}
-
 }  // namespace
 
 void put_back(WholeMesh& whole, const MeshPart& part) {
   WorkMesh& mesh = whole.mesh;
   const auto vertices = new_numbers(part.vertices, part.mesh.positions.size(), mesh.positions.size());
-  const auto tets = new_numbers(part.tets, part.mesh.tets.size(), mesh.tets.size());
-  put_back_stars(whole, part, vertices, tets);
   const auto renumbered = [&](auto corners) {
     for (std::uint32_t& v : corners) v = vertices[v];
     return corners;
@@ -166,6 +148,11 @@ void drop_gone_triangles(WholeMesh& whole) {
   whole.gone_triangles.clear();
 }
 
+void renew_stars(WholeMesh& whole) {
+  std::ranges::sort(whole.gone);
+  build_stars(whole.mesh, whole.gone);
+}
+
 void drop_gone(WholeMesh& whole) {
   WorkMesh& mesh = whole.mesh;
   constexpr std::uint32_t kUnused = ~std::uint32_t{0};
@@ -182,7 +169,6 @@ void drop_gone(WholeMesh& whole) {
   for (BoundaryTriangle& t : whole.boundary.triangles) {
     for (std::uint32_t& v : t.vertices) v = number[v];
   }
-  std::ranges::sort(whole.gone);
   kept = 0;
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t) {
     if (std::ranges::binary_search(whole.gone, t)) continue;

@@ -41,11 +41,13 @@ struct WholeMesh {
 [[nodiscard]] MeshPart cut_out(const WholeMesh& whole, const BoundaryTree& tree, const Vec3& centre_mm,
                                double radius_mm);
 
-/// Puts a part back, with the stars of its vertices.
+/// Puts a part back; the stars become void.
 void put_back(WholeMesh& whole, const MeshPart& part);
 
 /// Drops the boundary triangles that are gone; others get their numbers.
 void drop_gone_triangles(WholeMesh& whole);
+/// Fills the stars, without the tetrahedra that are gone.
+void renew_stars(WholeMesh& whole);
 /// Drops the tetrahedra that are gone and the vertices that have none; the stars and targets become void.
 void drop_gone(WholeMesh& whole);
 

@@ -24,8 +24,11 @@ std::vector<double> material_volumes_mm3(const WorkMesh& mesh, std::size_t mater
       parallel::AddEach());
 }
 
-void build_stars(WorkMesh& mesh) {
-  mesh.stars = Groups(parallel::cells_around(mesh.tets, mesh.positions.size()));
+void build_stars(WorkMesh& mesh, std::span<const std::uint32_t> gone) {
+  mesh.stars = parallel::group_by_owner(mesh.tets.size(), mesh.positions.size(), [&](std::size_t t) {
+    const bool is_gone = std::ranges::binary_search(gone, static_cast<std::uint32_t>(t));
+    return std::span(mesh.tets[t].data(), is_gone ? 0 : 4);
+  });
 }
 
 namespace {

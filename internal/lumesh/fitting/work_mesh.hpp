@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lumesh/domain/image_domain.hpp"
-#include "lumesh/fitting/groups.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 
 namespace lumesh::fitting {
 
@@ -39,7 +39,7 @@ struct WorkMesh {
   std::vector<Vec3> positions;              ///< mm.
   std::vector<Corner4> tets;                ///< Positively oriented.
   UninitialisedVector<Material> materials;  ///< Per tetrahedron.
-  Groups stars;                             ///< The tetrahedra around each vertex.
+  parallel::Adjacency stars;                ///< The tetrahedra around each vertex.
   UninitialisedVector<Corner4> neighbours;  ///< Across the face opposite to each corner, or kNoTet.
 
   [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t vertex) const { return stars.of(vertex); }
@@ -64,8 +64,8 @@ using TriangleCorners = std::array<Vec3, 3>;
 /// Volumes of the tetrahedra of each material.
 [[nodiscard]] std::vector<double> material_volumes_mm3(const WorkMesh& mesh, std::size_t materials);
 
-/// Fills stars from tets.
-void build_stars(WorkMesh& mesh);
+/// Fills stars from tets. @param gone  Tetrahedra that are in no star, ascending.
+void build_stars(WorkMesh& mesh, std::span<const std::uint32_t> gone = {});
 /// Fills neighbours from tets and stars.
 void build_neighbours(WorkMesh& mesh);
 /// Drops tetrahedra that `keep` refuses, and vertices left alone; rebuilds stars and neighbours.
