@@ -8,9 +8,9 @@
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/geometry/triangle_intersection.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "star_quality.hpp"
-#include "triangle_grid.hpp"
 
 namespace lumesh::fitting {
 
@@ -27,7 +27,6 @@ class ProtrusionGrower {
         domain_(domain),
         options_(options),
         keep_(mesh.tets.size(), 1),
-        fresh_(4 * domain.voxel_size_mm()),
         used_(mesh.positions.size(), 0) {}
 
   std::size_t run(const std::vector<Deviation>& deviations) {
@@ -202,7 +201,7 @@ class ProtrusionGrower {
     if (std::ranges::any_of(t, [&](std::uint32_t v) { return used_[v] != 0; })) return false;
     if (o.tet != kNoTet) return used_[far_corner(o.tet, t)] == 0;
     if (o.top != kNoTet && used_[o.top] != 0) return false;
-    return !fresh_.any(box_of(t, o.apex), [&](const Triangle& f) { return hits(f, o); });
+    return std::ranges::none_of(fresh_, [&](const Triangle& f) { return hits(f, o); });
   }
 
   void carry_out(const Option& o) {
@@ -265,12 +264,6 @@ class ProtrusionGrower {
     return found;
   }
 
-  [[nodiscard]] Box3 box_of(const Triangle& t, const Vec3& apex) const {
-    Box3 box(apex);
-    for (const std::uint32_t v : t) box.extend(mesh_.positions[v]);
-    return box;
-  }
-
   [[nodiscard]] bool angles_good(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
     if (!(tetrahedron_volume(a, b, c, d) > 0)) return false;
     const auto angles = dihedral_angles_deg(a, b, c, d);
@@ -288,7 +281,7 @@ class ProtrusionGrower {
         boundary_.triangles[i] = side;
       else
         boundary_.triangles.push_back(side);
-      fresh_.add(side.vertices, box_of(base.vertices, mesh_.positions[v]));
+      fresh_.push_back(side.vertices);
     }
   }
 
@@ -298,7 +291,7 @@ class ProtrusionGrower {
       const std::size_t e = (o.shared + n) % 3;
       const Triangle side = {base.vertices[e], base.vertices[(e + 1) % 3], o.top};
       boundary_.triangles[n == 1 ? o.triangle : o.neighbour].vertices = side;
-      fresh_.add(side, box_of(side, o.apex));
+      fresh_.push_back(side);
     }
   }
 
@@ -352,7 +345,8 @@ class ProtrusionGrower {
 
   /// Whether the sides of a cap would cut the surface or come close to folding onto it.
   [[nodiscard]] bool hits_surface(const Option& o) const {
-    const Box3 box = box_of(boundary_.triangles[o.triangle].vertices, o.apex);
+    Box3 box(o.apex);
+    for (const std::uint32_t v : boundary_.triangles[o.triangle].vertices) box.extend(mesh_.positions[v]);
     const std::vector<std::uint32_t> near = tree_.overlapping(box.min(), box.max());
     return std::ranges::any_of(near, [&](std::uint32_t i) {
       return i != o.triangle && i != o.neighbour && hits(boundary_.triangles[i].vertices, o);
@@ -368,13 +362,15 @@ class ProtrusionGrower {
     for (std::size_t e = 0; e < 3; ++e) {
       const std::size_t f = (e + 1) % 3;
       // An edge of the cap through the other triangle.
-      if (!has_corner(other, base[e]) && !has_corner(other, o.top) && crosses(p[e], apex, q)) return true;
+      if (!has_corner(other, base[e]) && !has_corner(other, o.top) &&
+          segment_meets_triangle(p[e], apex, q[0], q[1], q[2]))
+        return true;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t l = (k + 1) % 3;
         // An edge of the other triangle through a side of the cap.
         const bool touches = other[k] == base[e] || other[k] == base[f] || other[l] == base[e] ||
                              other[l] == base[f] || other[k] == o.top || other[l] == o.top;
-        if (!touches && crosses(q[k], q[l], {p[e], p[f], apex})) return true;
+        if (!touches && segment_meets_triangle(q[k], q[l], p[e], p[f], apex)) return true;
       }
       if (!has_corner(other, base[e]) || !has_corner(other, base[f])) continue;
       // The neighbour across an edge: the gap between it and the side of the cap.
@@ -436,7 +432,7 @@ class ProtrusionGrower {
   const ImageDomain& domain_;
   const ProtrusionOptions& options_;
   std::vector<std::uint8_t> keep_;  // per tetrahedron
-  TriangleGrid fresh_;              // new triangles
+  std::vector<Triangle> fresh_;     // new ones of the boundary: a few
   std::vector<std::uint8_t> used_;  // per vertex: something around it has changed already
 };
 

@@ -82,10 +82,10 @@ StarQuality::StarQuality(const WorkMesh& mesh, std::uint32_t vertex) {
     const Corner4& c = mesh.tets[star[std::min(i, count - 1)]];  // the last one fills its group
     const std::size_t at =
         (c[1] == vertex ? 1U : 0U) + (c[2] == vertex ? 2U : 0U) + (c[3] == vertex ? 3U : 0U);
-    constexpr std::size_t kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
     Faces& faces = groups_[i / kGroup];
+    const Triangle opposite = face_of(c, at);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3& p = mesh.positions[c[kFace[at][k]]];
+      const Vec3& p = mesh.positions[opposite[k]];
       for (std::size_t axis = 0; axis < 3; ++axis)
         faces.corner[k][axis][i % kGroup] = p[static_cast<int>(axis)];
     }
