@@ -13,16 +13,10 @@ SurroundingSurface::SurroundingSurface(const WholeMesh& whole, const BoundaryTre
                                        const ImageDomain& domain)
     : domain_(domain), known_(part.vertices.size()) {
   if (part.vertices.empty()) return;
-  Vec3 low = part.mesh.positions.front(), high = low;
-  for (const Vec3& x : part.mesh.positions) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const std::vector<std::uint32_t> mine = [&] {
-    std::vector<std::uint32_t> sorted = part.triangles;
-    std::ranges::sort(sorted);
-    return sorted;
-  }();
+  Box3 box;
+  for (const Vec3& x : part.mesh.positions) box.extend(x);
+  std::vector<std::uint32_t> mine = part.triangles;
+  std::ranges::sort(mine);
   std::unordered_map<std::uint32_t, std::uint32_t> others;
   const auto number = [&](std::uint32_t v) {
     const auto at = std::ranges::lower_bound(part.vertices, v);
@@ -31,7 +25,7 @@ SurroundingSurface::SurroundingSurface(const WholeMesh& whole, const BoundaryTre
     if (is_new) others_mm_.push_back(whole.mesh.positions[v]);
     return static_cast<std::uint32_t>(known_ + found->second);
   };
-  for (const std::uint32_t t : tree.overlapping(low, high)) {
+  for (const std::uint32_t t : tree.overlapping(box.min(), box.max())) {
     const BoundaryTriangle& triangle = whole.boundary.triangles[t];
     if (domain.is_meshed(triangle.outside) || std::ranges::binary_search(mine, t)) continue;
     const auto& [a, b, c] = triangle.vertices;
