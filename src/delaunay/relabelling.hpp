@@ -1,16 +1,15 @@
 #pragma once
 /// @file Tetrahedra that take another material one after another, as long as no vertex becomes pinched.
 
-#include <array>
 #include <optional>
 #include <vector>
 
-#include "lumesh/domain/domain.hpp"
+#include "labelled_mesh.hpp"
+#include "lumesh/domain/manifold_labels.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "places.hpp"
-#include "topology.hpp"
 
 namespace lumesh::delaunay {
 
@@ -32,18 +31,13 @@ std::size_t relabel_unless_pinching(TetMesh& mesh, const Domain& domain, const M
   parallel::sort(candidates.begin(), candidates.end(),
                  [](const Relabelling& a, const Relabelling& b) { return is_earlier(a.corners, b.corners); });
   std::size_t count = 0;
+  RelabelledMesh tets(mesh, domain);
+  LabelStar star(tets);
   for (const Relabelling& candidate : candidates) {
     const TetId t = candidate.tet;
     const std::optional<Material> wanted = material_of(t);
     if (!wanted) continue;
-    const Label before = mesh.label(t);
-    mesh.set_label(t, static_cast<Label>(*wanted));
-    const std::array<VertexId, 4> around = {mesh.vertex(t, 0), mesh.vertex(t, 1), mesh.vertex(t, 2),
-                                            mesh.vertex(t, 3)};
-    if (pinched_among(mesh, domain, around).empty())
-      ++count;
-    else
-      mesh.set_label(t, before);
+    count += relabel_if_manifold(tets, t.value, *wanted, star) ? 1 : 0;
   }
   return count;
 }

@@ -25,7 +25,7 @@ enum class PinchRepair : std::uint8_t { kToNeighbours, kToOutside };
 
 /// Gives tetrahedra around pinched vertices other materials until there are no such vertices.
 /// @param suspects  All pinched vertices. @return Their number.
-std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, std::vector<VertexId> suspects,
+std::size_t relabel_pinched(TetMesh& mesh, const Domain& domain, const std::vector<VertexId>& suspects,
                             PinchRepair way = PinchRepair::kToNeighbours);
 
 }  // namespace lumesh::delaunay

@@ -66,13 +66,10 @@ fitting::WorkMesh make_labelled_lattice(const LabelImage& image, const ImageDoma
   return context.phase("labels", [&] { return make_work_mesh(std::move(lattice), frame, domain); });
 }
 
-/// Changes materials until every label's boundary is a manifold, where it can be.
+/// Changes materials until every label's boundary is a manifold.
 void make_manifold(fitting::WorkMesh& mesh, const ImageDomain& domain, Context& context,
                    LatticeReport& report) {
-  const fitting::BoundaryChoice choice =
-      context.phase("boundary", [&] { return fitting::choose_boundary(mesh, domain); });
-  report.relabelled = choice.relabelled;
-  report.non_manifold_vertices = choice.non_manifold_vertices;
+  report.relabelled = context.phase("boundary", [&] { return fitting::choose_boundary(mesh, domain); });
 }
 
 /// The boundary between materials; tetrahedra of the background are dropped.

@@ -44,10 +44,6 @@ void note_limits(const LatticeOptions& options, LatticeReport& report) {
         fmt::format("thin parts are refined {} levels less than wanted, to stay near {} tetrahedra; raise "
                     "`max_tetrahedra`",
                     report.levels_given_up, options.max_tetrahedra));
-  if (report.non_manifold_vertices > 0)
-    report.notes.push_back(
-        fmt::format("a label's boundary is not a manifold at {}; try another `edge_length`",
-                    counted(report.non_manifold_vertices, "vertex", "vertices")));
   if (report.deviating_points > 0)
     report.notes.push_back(fmt::format(
         "the surface and the image's boundary are up to {:.2f} mm apart ({} points are off by more than "

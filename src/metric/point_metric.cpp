@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "ellipsoid_search.hpp"
-#include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/geometry/hilbert.hpp"
@@ -68,7 +67,8 @@ void PointMetricOptions::describe(OptionList& list) {
 
 void PointMetricOptions::validate() const {
   require_ranges_of(*this);
-  LUMESH_ASSERT(tolerance > 0 && tolerance <= 1 && floor_mm >= 0 && std::isfinite(floor_mm));
+  if (!(tolerance > 0 && tolerance <= 1 && floor_mm >= 0 && std::isfinite(floor_mm)))
+    throw Error(ErrorKind::kUsage, "the tolerance must be above 0 and at most 1, the floor 0 or more");
 }
 
 std::vector<SymTensor> metric_from_points(std::span<const Vec3> places, std::span<const Vec3> points,

@@ -147,7 +147,6 @@ std::string lattice_json(const LatticeMesh& made, const FirstMeshComparison& com
                {"boundary_triangles", mesh.triangles.size()},
                {"patches", faces_by_patch_json(mesh.info, {mesh.triangle_patches})},
                {"lost_labels", report.lost_labels},
-               {"non_manifold_vertices", report.non_manifold_vertices},
                {"levels_given_up", report.levels_given_up},
                {"furthest_deviation_mm", report.furthest_deviation_mm}};
   add_comparison(json, made.input, compared);

@@ -46,9 +46,7 @@ struct LatticeReport {
   std::size_t deviating_points = 0;
   /// Largest distance of these; a triangle counts as 2.25 of the smallest voxel edges at most.
   double furthest_deviation_mm = 0;
-  std::size_t non_manifold_vertices =
-      0;                    ///< Vertices where a label's boundary is not a manifold; 0 but for hard cases.
-  int levels_given_up = 0;  ///< Refinement levels of thin parts given up to stay near max_tetrahedra.
+  int levels_given_up = 0;         ///< Refinement levels of thin parts given up to stay near max_tetrahedra.
   std::vector<Label> lost_labels;  ///< Labels without a single tetrahedron.
   std::vector<std::string> notes;  ///< Warnings, such as labels that were lost, with their voxel counts.
 };

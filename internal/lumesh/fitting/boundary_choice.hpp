@@ -7,14 +7,9 @@
 
 namespace lumesh::fitting {
 
-struct BoundaryChoice {
-  std::size_t relabelled = 0;
-  /// Vertices that are not manifold in the end; 0 unless the image is degenerate at the lattice's scale.
-  std::size_t non_manifold_vertices = 0;
-};
-
 /// Works on mesh.materials alone. A label's boundary is manifold when around every vertex both the label's
 /// tetrahedra and the others are connected through faces.
-BoundaryChoice choose_boundary(WorkMesh& mesh, const ImageDomain& domain);
+/// @return How often a tetrahedron has been relabelled.
+std::size_t choose_boundary(WorkMesh& mesh, const ImageDomain& domain);
 
 }  // namespace lumesh::fitting

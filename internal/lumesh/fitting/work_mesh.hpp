@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/label_star.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 
@@ -15,7 +16,6 @@ namespace lumesh::fitting {
 
 using Corner4 = std::array<std::uint32_t, 4>;
 using Triangle = std::array<std::uint32_t, 3>;
-inline constexpr std::uint32_t kNoTet = ~std::uint32_t{0};
 
 [[nodiscard]] inline bool has_corner(const Corner4& t, std::uint32_t v) {
   return t[0] == v || t[1] == v || t[2] == v || t[3] == v;
