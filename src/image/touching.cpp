@@ -230,11 +230,13 @@ std::vector<ThinPlace> bridges_of(const VesselChunks& chunks, const std::set<Pai
 }
 
 /// Removes one voxel at each face, the one nearer to the background, unless the other is gone already.
-void separate(const std::vector<ContactElement>& elements, std::set<std::size_t>& gone) {
+void separate(const VesselChunks& chunks, const std::vector<ContactElement>& elements,
+              std::set<std::size_t>& gone) {
   std::unordered_map<std::uint32_t, std::size_t> faces_of;
   for (const ContactElement& e : elements)
     if (e.is_face()) ++faces_of[e.voxel], ++faces_of[e.other];
   for (const ContactElement& e : elements) {
+    if (chunks.is_filled(e.voxel) || chunks.is_filled(e.other)) continue;
     if (!e.is_face() || gone.contains(e.voxel) || gone.contains(e.other)) continue;
     gone.insert(faces_of[e.other] > faces_of[e.voxel] ? e.other : e.voxel);
   }
@@ -280,7 +282,7 @@ VoxelsChanged change_touching(TouchChoice choice, LabelImage& image) {
     const std::vector<ContactElement> elements = contacts_of(chunks, touching_pairs(chunks));
     std::set<std::size_t> found;
     if (choice == TouchChoice::kSeparate)
-      separate(elements, found);
+      separate(chunks, elements, found);
     else
       join(chunks, elements, found);
     if (found.empty()) break;

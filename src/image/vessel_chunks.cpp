@@ -14,6 +14,7 @@
 #include "lumesh/image/distance.hpp"
 #include "lumesh/image/selection.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "voxel_edits.hpp"
 
 namespace lumesh::image {
 
@@ -34,6 +35,8 @@ constexpr double kMinTurn = -0.1;  // Cosine between the two directions of a ves
 
 constexpr double kOpposite = -0.5;  // The same, seen from its axis.
 constexpr double kTiny = 1e-9;
+// Half width of what is a cavity of one vessel; pockets that vessels side by side enclose are thinner.
+constexpr float kThinCavity = 2;
 constexpr float kAlike = 0.6F;  // Half widths along one vessel.
 
 const std::array<Index3, 6> kSides = {Index3(-1, 0, 0), Index3(1, 0, 0),  Index3(0, -1, 0),
@@ -85,12 +88,33 @@ void VesselChunks::find_distances(const LabelImage& image) {
   parallel::for_each_index(all.voxels().size(), 1 << 16,
                            [&](std::size_t v) { all.voxels()[v] = image.voxels()[v] != 0 ? 1 : 0; });
   const double edge_mm = image.frame().spacing_mm.minCoeff();
-  DistanceField field = distance_to_label_change(all, low_, low_ + size_, kMaxHalfWidth * edge_mm);
-  distance_ = std::move(field.distance_mm);
+  const auto edge = static_cast<float>(edge_mm);
+  const auto measure = [&] {
+    DistanceField field = distance_to_label_change(all, low_, low_ + size_, kMaxHalfWidth * edge_mm);
+    distance_ = std::move(field.distance_mm);
+    parallel::for_each_index(distance_.size(), 1 << 14, [&](std::size_t v) { distance_[v] /= edge; });
+  };
+  measure();
+  if (fill_wide_cavities(all)) measure();
   parallel::for_each_index(distance_.size(), 1 << 14, [&](std::size_t v) {
-    const bool is_object = all.at(low_ + place_of(v)) != 0;
-    distance_[v] = is_object ? distance_[v] / static_cast<float>(edge_mm) : 0.0F;
+    if (all.at(low_ + place_of(v)) == 0) distance_[v] = 0;
   });
+}
+
+/// The shell around a cavity would look like two vessels that meet on both sides of it.
+bool VesselChunks::fill_wide_cavities(LabelImage& all) {
+  is_filled_.assign(distance_.size(), false);
+  bool has_any = false;
+  for (const std::vector<Index3>& piece : enclosed_pieces(all)) {
+    const bool is_wide = std::ranges::any_of(
+        piece, [&](const Index3& voxel) { return distance_[offset(voxel - low_)] > kThinCavity; });
+    for (std::size_t i = 0; is_wide && i < piece.size(); ++i) {
+      all.at(piece[i]) = 1;
+      is_filled_[offset(piece[i] - low_)] = true;
+    }
+    has_any |= is_wide;
+  }
+  return has_any;
 }
 
 /// The thickest place that no ball covers yet, again and again. A ball covers its middle, and what is so much

@@ -51,6 +51,8 @@ class VesselChunks {
   [[nodiscard]] const Index3& size() const { return size_; }
   [[nodiscard]] std::size_t voxel_count() const { return chunk_of_.size(); }
   [[nodiscard]] std::uint32_t chunk_of(std::size_t voxel) const { return chunk_of_[voxel]; }
+  /// Whether a voxel is background of a wide cavity, which counts as part of the vessel around it.
+  [[nodiscard]] bool is_filled(std::size_t voxel) const { return is_filled_[voxel]; }
   /// Whether a voxel shares a face with any chunk.
   [[nodiscard]] bool is_beside(std::size_t voxel) const;
   [[nodiscard]] Index3 place_of(std::size_t voxel) const {  ///< In the box.
@@ -64,6 +66,8 @@ class VesselChunks {
 
  private:
   void find_distances(const LabelImage& image);
+  /// @return Whether there is any.
+  bool fill_wide_cavities(LabelImage& all);
   void choose_seeds();
   void flood();
   [[nodiscard]] bool is_in_line(std::uint32_t chunk) const;
@@ -79,6 +83,7 @@ class VesselChunks {
 
   Index3 low_ = Index3::Zero(), size_ = Index3::Zero();
   std::vector<float> distance_;  ///< In smallest voxel edges; 0 in the background.
+  std::vector<bool> is_filled_;  ///< Per voxel: is_filled().
   std::vector<std::uint32_t> chunk_of_;
   Vec3 edges_ = Vec3::Ones();  ///< Of a voxel, in the smallest one.
   std::vector<Chunk> chunks_;

@@ -56,7 +56,25 @@ Hollows::Hollows(const LabelImage& image, const VoxelBox& box)
       runs.size.y(), runs.size.z(), [&](int j, int k) { return runs.of_row(runs.row(j, k)); }, number, sets);
 }
 
-std::vector<std::vector<Index3>> enclosed_pieces(const LabelImage& image) {
+/// Faces of each label to every other one, but for those in the image's border.
+using FacesBetween = std::map<std::pair<LabelImage::Index, LabelImage::Index>, std::size_t>;
+
+template <class Use>
+void for_each_label_face(const LabelImage& image, const Use& use) {
+  const ImageFrame& frame = image.frame();
+  for_each_place(Index3::Zero(), frame.size - Index3::Ones(), [&](const Index3& voxel) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Index3 next = voxel + Index3::Unit(axis);
+      if (!frame.contains(next) || image.at(voxel) == image.at(next)) continue;
+      use(voxel, next);
+      use(next, voxel);
+    }
+  });
+}
+
+}  // namespace
+
+std::vector<std::vector<Index3>> image::enclosed_pieces(const LabelImage& image) {
   std::vector<std::vector<Index3>> pieces;
   VoxelBox box = object_box(image);
   if (box.is_empty()) return pieces;
@@ -75,24 +93,6 @@ std::vector<std::vector<Index3>> enclosed_pieces(const LabelImage& image) {
   });
   return pieces;
 }
-
-/// Faces of each label to every other one, but for those in the image's border.
-using FacesBetween = std::map<std::pair<LabelImage::Index, LabelImage::Index>, std::size_t>;
-
-template <class Use>
-void for_each_label_face(const LabelImage& image, const Use& use) {
-  const ImageFrame& frame = image.frame();
-  for_each_place(Index3::Zero(), frame.size - Index3::Ones(), [&](const Index3& voxel) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const Index3 next = voxel + Index3::Unit(axis);
-      if (!frame.contains(next) || image.at(voxel) == image.at(next)) continue;
-      use(voxel, next);
-      use(next, voxel);
-    }
-  });
-}
-
-}  // namespace
 
 LabelImage::Index image::label_around(const LabelImage& image, const std::vector<LabelImage::Index>& voxels,
                                       const Index3& place) {
@@ -118,14 +118,14 @@ void image::note_change(const LabelImage& image, const Index3& place, VoxelsChan
 
 std::vector<Cavity> find_cavities(const LabelImage& image) {
   std::vector<Cavity> cavities;
-  for (const std::vector<Index3>& piece : enclosed_pieces(image))
+  for (const std::vector<Index3>& piece : image::enclosed_pieces(image))
     cavities.push_back({piece.size(), piece.front()});
   return cavities;
 }
 
 VoxelsChanged fill_cavities(LabelImage& image) {
   VoxelsChanged changed;
-  for (const std::vector<Index3>& piece : enclosed_pieces(image)) {
+  for (const std::vector<Index3>& piece : image::enclosed_pieces(image)) {
     std::map<LabelImage::Index, std::size_t> counts;
     for (const Index3& voxel : piece)
       for_each_beside(image.frame(), voxel, [&](const Index3& beside) {

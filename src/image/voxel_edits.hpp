@@ -7,6 +7,9 @@
 
 namespace lumesh::image {
 
+/// Voxels of the background that does not reach the outside of all labels, joined through corners, by piece.
+[[nodiscard]] std::vector<std::vector<Index3>> enclosed_pieces(const LabelImage& image);
+
 /// The label that most of the voxels within two of one have; of equals the lowest. Background if none has
 /// one.
 /// @param voxels  Those of the image before it is changed.

@@ -146,6 +146,23 @@ void expect_found_and_separated(const LabelImage& image, const Vec3& contact, do
   EXPECT_EQ(voxel_components(separated, ComponentScope::kUnion).size(), 2U);
 }
 
+// The shell around a cavity is not two vessels.
+TEST(Touching, CavityOfAVesselIsNoContact) {
+  for (const double radius : {0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5}) {
+    SCOPED_TRACE(radius);
+    const auto is_vessel = [&](const Vec3& p) {
+      const Vec3 off = p - Vec3(20, 20, 28);
+      return off.head<2>().norm() <= 8 && off.norm() >= radius;
+    };
+    LabelImage image = fixtures::voxels_of(frame_of({40, 40, 60}), {0, 1},
+                                           [&](const Vec3& p) { return is_vessel(p) ? 1 : 0; });
+    EXPECT_TRUE(find_thin_places(image).empty());
+    const std::size_t before = count_voxels(image);
+    EXPECT_EQ(change_touching(TouchChoice::kSeparate, image).voxels, 0U);
+    EXPECT_EQ(count_voxels(image), before);
+  }
+}
+
 // Both ends of each vessel lie to one side of its wall.
 TEST(Touching, VesselsThatBendAwayFromEachOtherAreFound) {
   const Vessel one = {
