@@ -13,6 +13,7 @@
 #include <set>
 #include <utility>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -181,6 +182,7 @@ class Extruder {
     double largest_mm2 = 0;
     for (const auto& [p, area] : area_of)
       if (!is_ring(s, p)) largest_mm2 = std::max(largest_mm2, area);
+    if (const double hollow_mm2 = hollow_lumen_mm2(s, sum.area); hollow_mm2 > 0) largest_mm2 = hollow_mm2;
     s.radius_mm = circle_radius(largest_mm2 * s.axis.dot(s.normal));
     return s;
   }
@@ -194,6 +196,25 @@ class Extruder {
     for (const PatchFace& face : s.faces)
       if (face.patch == p) toggle_edges(face.corners, rim);
     return rim;
+  }
+
+  /// Area of the largest hole of the whole section, where that is a hollow wall's: of a quarter of the
+  /// section or more, as Opening::is_hollow(). Else 0.
+  [[nodiscard]] double hollow_lumen_mm2(const SweptSection& s, double section_mm2) const {
+    constexpr double kLeast = 0.25;
+    const auto rim = rim_of(s);
+    DisjointSets loops(s.vertices.size());
+    const auto number = [&](std::uint32_t v) {
+      return static_cast<std::uint32_t>(std::ranges::lower_bound(s.vertices, v) - s.vertices.begin());
+    };
+    for (const auto& [from, to] : rim) loops.merge(number(from), number(to));
+    std::map<std::uint32_t, double> area_of;  // Negative within holes, whose edges run the other way.
+    for (const auto& [from, to] : rim)
+      area_of[loops.find(number(from))] +=
+          0.5 * (point(from) - s.centre_mm).cross(point(to) - s.centre_mm).dot(s.normal);
+    double largest_mm2 = 0;
+    for (const auto& [loop, area] : area_of) largest_mm2 = std::max(largest_mm2, -area);
+    return largest_mm2 < kLeast * section_mm2 ? 0 : largest_mm2;
   }
 
   /// The vessel's direction in the section; the normal where the walls do not say one, and where it is that

@@ -11,6 +11,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/cell_corners.hpp"
 #include "lumesh/mesh/cut_off_cells.hpp"
+#include "lumesh/mesh/parts.hpp"
 
 namespace lumesh {
 namespace {
@@ -119,6 +120,14 @@ TEST(ExtrudeOpenings, MeasuresRadiiOfTheLumenWhereAWallGoesOnWithIt) {
   const MixedMesh mesh = extrude_openings(before, named_lengths_from("top=5r"), LayerCells::kTetrahedra).mesh;
   const double length = (middle_of(mesh, "top") - middle_of(before, "top")).norm();
   EXPECT_NEAR(length, 5 * std::sqrt(4 / fixtures::kPi), 1e-9);  // The ring has an area of 9.2 mm².
+}
+
+TEST(ExtrudeOpenings, MeasuresRadiiOfTheLumenOfAHollowWall) {
+  const MixedMesh before = part_of(cut_bar(), {2}).mesh;  // The ring alone.
+  const MixedMesh mesh =
+      extrude_openings(before, named_lengths_from("ring=5r"), LayerCells::kTetrahedra).mesh;
+  const double length = (middle_of(mesh, "ring") - middle_of(before, "ring")).norm();
+  EXPECT_NEAR(length, 5 * std::sqrt(4 / fixtures::kPi), 1e-9);
 }
 
 TEST(ExtrudeOpenings, OpeningsThatMeetAtAnEdgeGoOnEachByItself) {
