@@ -1,20 +1,89 @@
 #include "lumesh/stages/centerline_stage.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "lumesh/core/counted.hpp"
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/edge_loops.hpp"
 #include "lumesh/stages/surface_input.hpp"
+#include "lumesh/surface/rims.hpp"
 
 namespace lumesh {
 namespace {
+
+void require_closed(const MixedMesh& surface) {
+  const std::vector<surfaces::Rim> rims =
+      surfaces::find_rims({surface.points, surface.triangles, surface.triangle_patches, {}});
+  if (rims.empty()) return;
+  throw Error(
+      ErrorKind::kBadInput,
+      fmt::format("the surface is open: it ends in {}, such as that around {}; leave out {}, and its "
+                  "ends are capped and its holes filled",
+                  counted(rims.size(), "rim"), place_text(rims.front().centre_mm), option_name("keep_open")));
+}
+
+/// Faces of openings that share vertices, whichever patches they belong to.
+struct OpenSection {
+  std::set<std::uint64_t> rim;  ///< Edges of one face.
+  Vec3 place_mm = Vec3::Zero();
+};
+
+std::vector<OpenSection> open_sections(const MixedMesh& mesh) {
+  std::vector<std::vector<std::uint32_t>> faces;
+  DisjointSets joined(mesh.points.size());
+  for_each_patch_face(mesh, [&](std::span<const std::uint32_t> face, std::int32_t p) {
+    const auto patch = static_cast<std::size_t>(p);
+    if (patch >= mesh.info.patches.size() || mesh.info.patches[patch].kind != PatchKind::kOpening) return;
+    faces.emplace_back(face.begin(), face.end());
+    for (const std::uint32_t v : face) joined.merge(face[0], v);
+  });
+  std::map<std::uint32_t, OpenSection> by_root;
+  for (const std::vector<std::uint32_t>& face : faces) {
+    OpenSection& section = by_root[joined.find(face[0])];
+    toggle_edges(face, section.rim);
+    section.place_mm = mesh.points[face[0]];
+  }
+  std::vector<OpenSection> sections;
+  for (auto& [root, section] : by_root) sections.push_back(std::move(section));
+  return sections;
+}
+
+/// A lumen's openings have one rim each.
+void require_lumen(const MixedMesh& mesh) {
+  const std::vector<OpenSection> sections = open_sections(mesh);
+  const auto is_ring = [](const OpenSection& section) { return loop_count(section.rim) > 1; };
+  if (sections.empty() || !std::ranges::all_of(sections, is_ring)) return;
+  throw Error(
+      ErrorKind::kBadInput,
+      fmt::format("every opening is a ring, such as that at {}: a hollow wall, in which axes would run "
+                  "round; give the surface of its lumen, its inner skin alone",
+                  place_text(sections.front().place_mm)));
+}
 
 CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& context) {
   CenterlineMade made;
   MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(request.path, request.selection.unit); });
   bring_to_lps_mm(mesh);
-  if (mesh.view().cell_count() == 0)
+  const bool is_surface = mesh.view().cell_count() == 0;
+  if (is_surface)
     made.closed = context.phase("close", [&] { return close_open_ends(mesh, request.surface, context); });
   else if (mesh.triangles.empty() && mesh.quadrilaterals.empty())
     extract_boundary(mesh);
+  naming(request.path, [&] {
+    if (is_surface && request.surface.keeps_open) require_closed(mesh);
+    require_lumen(mesh);
+  });
   made.provenance = mesh.info.provenance;
   made.lines =
       naming(request.path, [&] { return extract_centerline(mesh.view(), request.options, context); });

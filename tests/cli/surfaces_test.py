@@ -200,6 +200,14 @@ class SurfacesTest(ProgramTest):
         length = float(out.split("length ")[1].split()[0])
         self.assertAlmostEqual(length, 12, delta=0.5)
 
+    def test_the_centerline_of_a_hollow_wall_is_refused(self):
+        skins, lines = self.folder / "skins.stl", self.folder / "lines.vtp"
+        skins.write_text("".join(stl_text(*tube(radius=r)) for r in (3.0, 2.0)))
+        self.assert_refused(self.run_lumesh("centerline", skins, "-o", lines), BAD_INPUT, "skins.stl", "hollow wall",
+                            "inner skin alone")
+        skins.write_text("".join(stl_text(*tube(radius=r)) for r in (3.0, 2.0, 1.9)))  # The last one is a lumen.
+        self.run_well("centerline", skins, "-o", lines)
+
     def test_a_case_file_takes_them_too(self):
         self.stl("tube.stl", *tube())
         case = self.folder / "case.toml"
@@ -295,6 +303,12 @@ class SurfacesTest(ProgramTest):
         self.assert_refused(self.run_lumesh("delaunay", source, "-o", out, "--keep-open"), BAD_INPUT, "tube.stl",
                             "not closed", "48 edges")
         self.assertFalse(out.exists())
+        lines = self.folder / "lines.vtp"
+        self.assert_refused(self.run_lumesh("centerline", source, "-o", lines, "--keep-open"), BAD_INPUT, "tube.stl",
+                            "surface is open", "2 rims", "leave out --keep-open")
+        self.assertFalse(lines.exists())
+        points, wall, low, high = closed_tube()
+        self.run_well("centerline", self.stl("closed.stl", points, [*wall, *low, *high]), "-o", lines, "--keep-open")
         image = self.folder / "image.nrrd"
         self.run_well("phantom", "sphere", "-o", image)
         self.assert_refused(self.run_lumesh("delaunay", image, "-o", out, "--keep-open"), USAGE, "--keep-open")
