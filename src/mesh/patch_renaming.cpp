@@ -71,14 +71,17 @@ std::string list_of(std::span<const NamedOpening> openings) {
   return fmt::format("there are {}", fmt::join(texts, ", "));
 }
 
-const NamedOpening& opening_near(const Vec3& place, std::span<const NamedOpening> openings) {
+const NamedOpening& opening_near(const Vec3& place, std::span<const NamedOpening> openings,
+                                 std::span<const NamedOpening> beginnings) {
   constexpr double kRadii = 2;
   const auto off = [&](const NamedOpening& o) {
     return o.is_rim ? std::numeric_limits<double>::infinity() : (o.centre_mm - place).norm();
   };
-  const auto nearest =
-      std::ranges::min_element(openings, [&](const auto& a, const auto& b) { return off(a) < off(b); });
-  if (nearest == openings.end() || off(*nearest) > kRadii * nearest->radius_mm)
+  const NamedOpening* nearest = nullptr;
+  for (const auto all : {openings, beginnings})
+    for (const NamedOpening& o : all)
+      if (nearest == nullptr || off(o) < off(*nearest)) nearest = &o;
+  if (nearest == nullptr || off(*nearest) > kRadii * nearest->radius_mm)
     throw Error(ErrorKind::kBadInput, fmt::format("no opening is near ({:g}, {:g}, {:g}) mm; {}", place.x(),
                                                   place.y(), place.z(), list_of(openings)));
   return *nearest;
@@ -208,12 +211,13 @@ std::vector<NamedOpening> named_openings(const MeshView& mesh) {
 }
 
 std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
-                                        std::span<const NamedOpening> openings) {
+                                        std::span<const NamedOpening> openings,
+                                        std::span<const NamedOpening> beginnings) {
   std::set<std::string> meant, names;
   for (PatchRenaming& renaming : renamings) {
     if (!names.insert(renaming.name).second)
       throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", renaming.name));
-    if (renaming.near_mm) renaming.patch = opening_near(*renaming.near_mm, openings).name;
+    if (renaming.near_mm) renaming.patch = opening_near(*renaming.near_mm, openings, beginnings).name;
     if (renaming.area_mm2) renaming.patch = opening_of_area(*renaming.area_mm2, openings).name;
     const bool is_there =
         std::ranges::any_of(openings, [&](const NamedOpening& o) { return o.name == renaming.patch; });

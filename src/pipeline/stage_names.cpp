@@ -24,7 +24,8 @@ void find_named_openings(CaseState& state) {
   if (state.c.openings.names.empty()) return;
   naming("[openings] names", [&] {
     state.renamings =
-        with_patches(renamings_from(state.c.openings.names), named_openings(state.given.openings()));
+        with_patches(renamings_from(state.c.openings.names), named_openings(state.given.openings()),
+                     named_openings(state.given.beginnings()));
   });
 }
 

@@ -10,6 +10,7 @@
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/quality/surface.hpp"
 #include "lumesh/stages/folded_walls.hpp"
+#include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/surface_input.hpp"
@@ -89,9 +90,19 @@ const Domain& DomainRead::domain() {
 
 const std::shared_ptr<const ImageDomain>& DomainRead::domain_of_image() {
   if (!image_domain_)
-    image_domain_ =
-        naming(name, [&] { return domain_of_cut(*image, cut_planes, input_.cuts, input_.field, context_); });
+    image_domain_ = naming(name, [&] {
+      InputCuts before = input_.cuts;
+      before.extension = {};
+      auto domain = domain_of_cut(*image, cut_planes, before, input_.field, context_);
+      if (!input_.cuts.extension.is_wanted()) return domain;
+      image_beginnings_ = context_.phase("openings", [&] { return find_openings(*domain); });
+      return extended_domain(*image, cut_planes, *domain, image_beginnings_, input_.cuts.extension, context_);
+    });
   return image_domain_;
+}
+
+std::span<const Opening> DomainRead::beginnings() const {
+  return surface ? surface->beginnings : image_beginnings_;
 }
 
 const SurfaceDomain& DomainRead::domain_of_surface() {

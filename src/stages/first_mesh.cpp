@@ -9,7 +9,7 @@ namespace {
 
 /// Errors name the option.
 std::vector<PatchRenaming> renamings_for(const OpeningRequest& request, DomainRead& given) {
-  return naming(option_name("name"), [&] { return request.renamings(given.openings()); });
+  return naming(option_name("name"), [&] { return request.renamings(given.openings(), given.beginnings()); });
 }
 
 void warn_of_mesher(const std::vector<std::string>& notes, const FirstMeshInput& input,

@@ -7,9 +7,10 @@
 
 namespace lumesh {
 
-std::vector<PatchRenaming> OpeningRequest::renamings(std::span<const Opening> openings) const {
+std::vector<PatchRenaming> OpeningRequest::renamings(std::span<const Opening> openings,
+                                                     std::span<const Opening> beginnings) const {
   if (names.empty()) return {};
-  return with_patches(renamings_from(names), named_openings(openings));
+  return with_patches(renamings_from(names), named_openings(openings), named_openings(beginnings));
 }
 
 void OpeningRequest::require(const std::string& path, const OpeningsCompared& openings,

@@ -214,6 +214,7 @@ void extend_ends(const PatchedSurface& patched, const ExtensionOptions& extensio
     throw Error(ErrorKind::kBadInput, option_name("extend") +
                                           ": the surface has no flat end; cut vessels with `cut_at` or "
                                           "`clip_ends`, which makes openings");
+  surface.beginnings = openings_of(patched.flat_ends(), surface.resolution_mm);
   take_patches_of(patched, surface.mesh);
   std::optional<LocalLength> transition;
   if (!extension.transition.empty()) transition = local_length_from(extension.transition);

@@ -253,6 +253,24 @@ class SurfacesTest(ProgramTest):
         self.assert_refused(self.run_lumesh("delaunay", surface, "-o", mesh, "--cut-plane", "0", "0", "-1", "0", "0", "1"), BAD_INPUT,
                             "tube.stl", "nothing of the surface is left")
 
+    def test_openings_that_are_extended_get_names_by_their_own_place_and_the_new_one(self):
+        surface, mesh = self.stl("tube.stl", *tube()), self.folder / "tube.vtu"
+        image = self.folder / "tube.nrrd"
+        self.run_well("phantom", "bifurcation", "-o", image)
+        told = json.loads(self.run_well("info", image, "--json").stdout)["openings"]
+        ends = {surface: [(0, 0, 0), (0, 0, -10), (0, 0, 12), (0, 0, 22)],
+                image: [tuple(o["centre_mm"]) for o in told]}
+        for path, places in ends.items():
+            for place in places:
+                name = ",".join(f"{x:.6g}" for x in place)
+                self.run_well("delaunay", path, "-o", mesh, "--extend", "5r", f"--name={name}=mine", "-q")
+                self.assertIn("mine", {p["name"] for p in self.info(mesh)["patches"]}, (path, place))
+        case = self.folder / "case.toml"
+        case.write_text('mesher = "delaunay"\n[input]\nsurface = "tube.stl"\nextend = "5r"\n[openings]\nnames = ["0,0,12=mine"]\n'
+                        '[output]\nreport = ""\nmeshes = ["case.vtu"]\n')
+        self.run_well("run", case, "-o", self.folder / "out", "-q")
+        self.assertIn("mine", {p["name"] for p in self.info(self.folder / "out" / "case.vtu")["patches"]})
+
     def test_names_stay_where_cuts_took_the_named_ends(self):
         points, triangles = tube(length=20.0)
         points = [*points, (0.0, 0.0, 0.0), (0.0, 0.0, 20.0)]

@@ -13,6 +13,7 @@
 #include "lumesh/core/types.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/domain/extension.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/image/touching.hpp"
@@ -112,6 +113,7 @@ struct SurfaceInput {
   /// Resolution of what was read, where it was cut or extended since, as sizes are taken from it; 0: that of
   /// `mesh`.
   double resolution_mm = 0;
+  std::vector<Opening> beginnings = {};  ///< Openings before they were extended; none where none was.
 
   /// The inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
   [[nodiscard]] std::unique_ptr<SurfaceDomain> domain(const SurfaceDomainOptions& options) const;

@@ -57,8 +57,10 @@ struct NamedOpening {
 /// @throws Error{kBadInput} if no opening's centre is within twice its radius of a place; if not exactly one
 /// opening has an area within 10 % of the one given; if a name that begins with inlet or outlet is none of
 /// these; if two renamings mean one patch or give one name. The text lists the openings.
+/// @param beginnings  Further places of these openings, by name: where their flow extensions begin.
 [[nodiscard]] std::vector<PatchRenaming> with_patches(std::vector<PatchRenaming> renamings,
-                                                      std::span<const NamedOpening> openings);
+                                                      std::span<const NamedOpening> openings,
+                                                      std::span<const NamedOpening> beginnings = {});
 
 /// Renames all at once, so that names may be swapped. A patch has the kind given from then on; without one,
 /// a new name that begins with inlet, outlet or symmetry gives it, as in files that say no more of patches

@@ -45,6 +45,9 @@ class DomainRead {
   [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
   [[nodiscard]] const SurfaceDomain& domain_of_surface();
   [[nodiscard]] const std::vector<Opening>& openings();
+  /// The same before they were extended, where the extensions begin; none where none was. Known once the
+  /// domain was asked for.
+  [[nodiscard]] std::span<const Opening> beginnings() const;
   /// Axes of the vessels.
   [[nodiscard]] Polylines axes(const CenterlineOptions& options) const;
 
@@ -89,6 +92,7 @@ class DomainRead {
   std::shared_ptr<const SurfaceDomain> surface_domain_;
   std::shared_ptr<const ImageDomain> image_domain_;
   std::optional<std::vector<Opening>> openings_;
+  std::vector<Opening> image_beginnings_;  ///< Openings of an image before they were extended.
   std::optional<ImageShape> shape_;
 };
 

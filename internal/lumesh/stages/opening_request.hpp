@@ -18,8 +18,10 @@ struct OpeningRequest {
   bool is_strict = false;          ///< Openings have to be there, whole and as large as in the domain.
 
   /// The names as patches of a mesh of the domain are to get them; known before it is made.
+  /// @param beginnings  The same openings before they were extended; none where they were not.
   /// @throws Error{kBadInput} as with_patches().
-  [[nodiscard]] std::vector<PatchRenaming> renamings(std::span<const Opening> openings) const;
+  [[nodiscard]] std::vector<PatchRenaming> renamings(std::span<const Opening> openings,
+                                                     std::span<const Opening> beginnings) const;
   /// @param path  Of the mesh. @param without_name  Lines of rename_found().
   /// @throws Error{kNotReached} if a patch that has a name by the user is missing, or if the user is strict
   /// and an opening is missing or wrong.

@@ -48,6 +48,14 @@ TEST(PatchRenaming, PlacesMeanTheNearestOpening) {
   EXPECT_EQ(found[1].patch, "inlet_1");
 }
 
+TEST(PatchRenaming, PlacesWhereExtensionsBeginMeanTheirOpenings) {
+  const std::vector<NamedOpening> beginnings = {{"inlet_1", {30, 0, 0}, 3}, {"outlet_1", {10, 0, 5}, 1}};
+  EXPECT_EQ(with_patches({renaming_from("31,0,0=aorta")}, kTwo, beginnings)[0].patch, "inlet_1");
+  EXPECT_EQ(with_patches({renaming_from("0,1,0=aorta")}, kTwo, beginnings)[0].patch, "inlet_1");
+  EXPECT_EQ(with_patches({renaming_from("10,0,4=left")}, kTwo, beginnings)[0].patch, "outlet_1");
+  EXPECT_THROW((void)with_patches({renaming_from("40,0,0=x")}, kTwo, beginnings), Error);
+}
+
 TEST(PatchRenaming, AnAreaMeansTheOnlyOpeningOfAboutThatArea) {
   EXPECT_EQ(*renaming_from("28.3mm2=aorta").area_mm2, 28.3);
   EXPECT_EQ(with_patches({renaming_from("27mm2=aorta:inlet")}, kTwo)[0].patch, "inlet_1");  // 9 pi
