@@ -27,7 +27,7 @@ std::string name_patches_by_words(std::vector<Patch>& patches, std::string_view 
     const bool is_lost = is_word_without_letters(word, patch.name);
     const std::string name =
         free_patch_name(named, is_lost ? fmt::format("{}_{}", otherwise, named.size() + 1) : word);
-    if (is_lost || name != word) told.push_back(fmt::format("\"{}\" is {}", patch.name, name));
+    if (name != patch.name) told.push_back(fmt::format("\"{}\" is {}", patch.name, name));
     named.push_back({name, kind_of_name(name), {}});
   }
   patches = std::move(named);
