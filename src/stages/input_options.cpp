@@ -23,7 +23,14 @@ std::vector<CutPlane> planes_from(const std::vector<std::vector<double>>& rows) 
   std::vector<CutPlane> planes;
   for (const std::vector<double>& n : rows) {
     planes.push_back({Vec3(n[0], n[1], n[2]), Vec3(n[3], n[4], n[5])});
-    if (planes.back().normal.isZero(0)) throw Error(ErrorKind::kUsage, "has a plane whose normal is zero");
+    const double squared = planes.back().normal.squaredNorm();
+    if (squared == 0 && planes.back().normal.isZero(0))
+      throw Error(ErrorKind::kUsage, "has a plane whose normal is zero");
+    if (!std::isnormal(squared))
+      throw Error(
+          ErrorKind::kUsage,
+          "has a plane whose normal is too short or too long to tell a direction; give it a length of "
+          "about 1");
   }
   return planes;
 }

@@ -128,6 +128,8 @@ class CutsTest(ProgramTest):
         self.assertEqual(names[0], names[1])
         self.assertEqual(len(names[0]), 5)
         self.assert_refused(self.run_lumesh("lattice", self.image, "-o", one, "--cut-plane", *first, "1", "2", "3"), USAGE, "6 numbers", "not 9")
+        for normal, why in (("0", "normal is zero"), ("1e-320", "too short or too long"), ("1e200", "too short or too long")):
+            self.assert_refused(self.run_lumesh("lattice", self.image, "-o", one, "--cut-plane", *"0 0 0 0 0".split(), normal), USAGE, why)
 
     def test_cuts_of_a_mesh_that_make_no_sense_are_refused(self):
         mesh, cut = self.folder / "mesh.vtu", self.folder / "cut.vtu"
