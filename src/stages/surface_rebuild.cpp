@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/geometry/hilbert.hpp"
@@ -98,7 +99,14 @@ RebuiltSurface rebuilt_at(const TriangleMesh& given, const GivenSurface& surface
                           double max_distance_mm, Context& context) {
   RebuiltSurface made;
   made.spacing_mm = spacing_mm;
-  made.surface = meshed_boundary(surface.image(spacing_mm), context);
+  try {
+    made.surface = meshed_boundary(surface.image(spacing_mm), context);
+  } catch (const Error& error) {  // Its advice is on options of the mesher, which a repair does not have.
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    made.failure = "nothing of its inside is left when it is rebuilt";
+    made.failure_mm = given.points[given.triangles.front()[0]];
+    return made;
+  }
   for (std::size_t t = 0; t < made.surface.triangles.size(); ++t) {
     const auto& [a, b, c] = made.surface.triangles[t];
     const Vec3 middle = (made.surface.points[a] + made.surface.points[b] + made.surface.points[c]) / 3;

@@ -206,6 +206,14 @@ class CheckTest(ProgramTest):
         self.assert_refused(self.run_lumesh("repair", flat, "-o", self.out), NOT_REACHED, "encloses nothing")
         self.assertFalse(self.out.exists())
 
+    def test_what_encloses_nothing_gets_no_advice_of_meshers(self):
+        one = self.folder / "one.obj"
+        one.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        result = self.run_lumesh("repair", one, "-o", self.out)
+        self.assert_refused(result, NOT_REACHED, "nothing of its inside is left", "--max-distance")
+        self.assertNotIn("delta", result.stderr)
+        self.assertFalse(self.out.exists())
+
     def test_a_distance_that_is_none_is_refused(self):
         self.write(tube(10))
         for text in ("0", "-1%", "wide", "nan"):
