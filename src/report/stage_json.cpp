@@ -297,6 +297,7 @@ std::string repair_json(const RepairOutcome& outcome, const CommandNotes& notes)
                      {"components", r.components},
                      {"openings", r.openings},
                      {"duplicate_triangles", r.duplicate_triangles},
+                     {"loose_triangles", r.loose_triangles},
                      {"dropped_components", r.dropped_parts},
                      {"dropped_triangles", r.dropped_triangles},
                      {"singular_edges", r.singular_edges},

@@ -138,7 +138,11 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
   const auto patch_count = static_cast<std::int32_t>(surface.info.patches.size());
   surfaces::ClosedSurfaceMade made =
       surfaces::close_surface(surface.points, surface.triangles, surface.triangle_patches, patch_count);
-  if (made.rims.empty()) return {};
+  if (made.loose.count > 0)
+    context.warn(fmt::format("{} at corners only and {} left out, such as at {}",
+                             counted(made.loose.count, "triangle hangs", "triangles hang"),
+                             made.loose.count == 1 ? "is" : "are", place_text(made.loose.place_mm)));
+  if (made.rims.empty() && made.loose.count == 0) return {};
   surface.points = std::move(made.surface.points);
   surface.triangles = std::move(made.surface.triangles);
   surface.triangle_patches = std::move(made.surface.patches);

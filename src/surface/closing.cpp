@@ -10,6 +10,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/loose_triangles.hpp"
 #include "lumesh/surface/planar_patch.hpp"
 #include "rim_triangles.hpp"
 
@@ -37,6 +38,7 @@ class Closer {
       : surface_(std::move(surface)), next_patch_(first_patch) {}
 
   ClosedSurfaceMade close() {
+    const LooseTriangles loose = drop_loose();
     turn_alike(surface_);
     std::vector<Rim> rims = find_rims(surface_);
     turn_outwards(surface_, rims);
@@ -51,10 +53,18 @@ class Closer {
       fill(holes_[h], commonest_patch(surface_, walls[h]),
            cosine_to_wall(surface_, holes_[h], walls[h]) < kAcrossWall);
     surface_ = weld(surface_.points, surface_.triangles, surface_.patches);  // Without what was cut off.
-    return {std::move(surface_), std::move(closed_)};
+    return {std::move(surface_), std::move(closed_), loose};
   }
 
  private:
+  LooseTriangles drop_loose() {
+    const std::vector<std::uint32_t> loose = loose_triangles(surface_);
+    if (loose.empty()) return {};
+    const Vec3 place = surface_.points[surface_.triangles[loose.front()][0]];
+    without_triangles(surface_, loose);
+    return {loose.size(), place};
+  }
+
   static constexpr std::size_t kNone = ~std::size_t{0};
   /// How far the skins of a wall may end apart, in radii: what a cut may take off.
   static constexpr double kSkinReach = 1;

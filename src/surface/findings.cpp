@@ -14,6 +14,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
+#include "lumesh/surface/loose_triangles.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -28,6 +29,7 @@ class SurfaceCheck {
 
   std::vector<Finding> find() {
     look_at_doubles();
+    look_at_loose_triangles();
     alike_ = surface_;
     neighbours_ = edge_neighbours(surface_.triangles);
     parts_ = turn_alike(alike_);
@@ -84,6 +86,16 @@ class SurfaceCheck {
     for (const std::uint32_t t : duplicates) doubles.add(middle_of(t));
     without_triangles(surface_, duplicates);
     keep(std::move(doubles));
+  }
+
+  /// They are looked at no further.
+  void look_at_loose_triangles() {
+    Finding loose =
+        remark("loose_triangles", "triangles that hang at corners only; they are left out when meshed");
+    const std::vector<std::uint32_t> triangles = loose_triangles(surface_);
+    for (const std::uint32_t t : triangles) loose.add(middle_of(t));
+    without_triangles(surface_, triangles);
+    keep(std::move(loose));
   }
 
   void look_at_edges() {

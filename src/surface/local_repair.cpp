@@ -14,6 +14,7 @@
 #include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/distance.hpp"
 #include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/loose_triangles.hpp"
 #include "lumesh/surface/repair.hpp"
 #include "lumesh/surface/shells.hpp"
 #include "rim_triangles.hpp"
@@ -120,12 +121,21 @@ class LocalRepair {
     leave_out(doubles, is_bad);
     report_.duplicate_triangles = doubles.size();
     remove(is_bad);
+    drop_loose_triangles();
     turn_alike(surface_);
     drop_parts();
     report_.singular_edges = remove_at_bad_edges();
     report_.singular_points = divide_points();
     turn_alike(surface_);
     drop_parts();
+  }
+
+  void drop_loose_triangles() {
+    std::vector<std::uint8_t> is_bad(origin_.size(), 0);
+    const std::vector<std::uint32_t> loose = loose_triangles(surface_);
+    leave_out(loose, is_bad);
+    report_.loose_triangles = loose.size();
+    remove(is_bad);
   }
 
   std::vector<PartMeasures> measured_parts(const Parts& parts, const EdgeNeighbours& neighbours) const {

@@ -218,6 +218,27 @@ class SurfacesTest(ProgramTest):
         case.write_text(case.read_text().replace("[delaunay]", "keep_open = true\n[delaunay]"))
         self.assertEqual(self.run_lumesh("run", case).returncode, BAD_INPUT)
 
+    def test_triangles_that_hang_at_corners_of_a_ragged_end_are_left_out(self):
+        points, triangles = tube(around=36)
+        end = len(points) - 36
+        # Of the last row one triangle of each pair is gone, and pairs of others hang at their tips.
+        triangles = [t for t in triangles if sum(v >= end for v in t) != 2 or min(t) % 3]
+        for i in range(0, 36, 4):
+            x, y, z = points[end + i]
+            points += [(x, y, z + 0.3), (0.98 * x - 0.05 * y, 0.98 * y + 0.05 * x, z + 0.3), (x, y, z + 0.5)]
+            a = len(points) - 3
+            triangles += [(end + i, a + 1, a), (a, a + 1, a + 2)]
+        source = self.stl("loose.stl", points, triangles)
+        _, report, out = self.mesh(source, "--edge-length", 0.8)
+        self.assertIn("18 triangles hang at corners only and are left out", "".join(report["warnings"]))
+        self.assertEqual([end["kind"] for end in report["closed"] if end["kind"] == "opening"], ["opening", "opening"])
+        for opening in report["openings"]:
+            self.assertAlmostEqual(opening["mesh_area_mm2"] / (18 * 4 * math.sin(math.pi / 18)), 1, delta=0.01)
+        found = json.loads(self.run_well("check", source, "--json").stdout)["findings"]
+        self.assertEqual([f["count"] for f in found if f["kind"] == "loose_triangles"], [18])
+        repaired = json.loads(self.run_well("repair", source, "-o", self.folder / "repaired.stl", "--json").stdout)
+        self.assertEqual(repaired["loose_triangles"], 18)
+
     def test_pinholes_become_wall(self):
         points, triangles = tube()
         del triangles[200]

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Open surfaces closed: openings with flat caps, holes with patches that follow the wall.
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,12 +11,19 @@
 
 namespace lumesh::surfaces {
 
+/// Triangles by loose_triangles() that were left out.
+struct LooseTriangles {
+  std::size_t count = 0;
+  Vec3 place_mm = Vec3::Zero();  ///< A corner of the first.
+};
+
 struct ClosedSurfaceMade {
   TriangleMesh surface;         ///< Equal points are one, triangles turned alike and outwards.
   std::vector<ClosedRim> rims;  ///< Openings by falling area, then holes by falling area.
+  LooseTriangles loose = {};
 };
 
-/// Closes a surface.
+/// Closes a surface, without its loose_triangles().
 ///
 /// Openings are planar rims that the wall leaves at an angle (Rim::may_be_end()), rims with a radius of
 /// Rim::kMinEdges edges or more that are flat within Rim::kMaxBent of their radius, and more bent ones of
