@@ -40,7 +40,7 @@ void check_fits(const DelaunayOptions& options, const Domain& domain) {
                           is_edge ? delaunay::kEdgePerSpacing * delta_mm : delta_mm, largest));
 }
 
-/// What is less than the seeds of the whole lattice.
+/// Drops seeds as `seeding` says: none, those inside, or all but some on the boundary.
 /// @return The candidates that the rules have to find most of, as they were.
 std::vector<delaunay::BoundaryCandidate> thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
   if (seeding == Seeding::kLattice) return {};

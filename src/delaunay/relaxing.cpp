@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kReach = 1.7;  // In spacings: as far as two points push each other.
 
-/// The points of one level by cubes twice as large as they stand apart at most.
+/// The points of one level, sorted into cubes whose edge is twice the level's largest spacing.
 class PointCubes {
  public:
   explicit PointCubes(int exponent) : exponent_(exponent), cube_mm_(std::exp2(exponent + 2)) {}

@@ -101,7 +101,7 @@ ClosestPoint SurfaceProjector::closest_on(const Vec3& x, std::uint32_t triangle)
 ClosestPoint SurfaceProjector::nearest(const Vec3& x, std::uint32_t guess) const {
   const ClosestPoint guessed = closest_on(x, guess);
   const TriangleTree::Nearest found = tree_.nearest(x, guessed.distance);
-  // Rounding of the bound may leave out the guess itself.
+  // The search is bounded by the guess's own distance; rounding may exclude the guess.
   return found.triangle == TriangleTree::kNone ? guessed : closest_of(found);
 }
 

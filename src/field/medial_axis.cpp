@@ -21,7 +21,7 @@ LUMESH_WIDE_LOOPS void set_distances(const Band& band, int begin, int end, LaneA
   }
 }
 
-/// By the difference of both neighbours, or of the one that is known.
+/// Squared slope along a row: from both neighbours, or from the one that is known and the voxel itself.
 [[gnu::always_inline]] inline Lanes squared_slope(const RowValues& row, float per_edge) {
   const LaneMask has_before = row.before == row.before, has_after = row.after == row.after;
   const Lanes rise = (has_after ? row.after : row.own) - (has_before ? row.before : row.own);

@@ -104,7 +104,8 @@ class RimChoice {
       beside[e] =
           other && boundary_.triangles[*other].inside == triangle.inside ? outside(*other) : kOfAnotherLabel;
     }
-    // No two others may be chosen: with one edge each, the vertices opposite have triangles of both.
+    // At most one other material qualifies: were there two, each at one edge, the vertices opposite would
+    // have triangles of both, and may_become() refuses that.
     const auto other = std::ranges::find_if(
         beside, [&](Material m) { return m != own && m != kOfAnotherLabel && may_become(t, m, beside); });
     if (other == beside.end() || distance_mm(t, *other) >= distance_mm(t, own)) return false;

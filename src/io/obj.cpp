@@ -42,7 +42,7 @@ class ObjReader {
     fail(path_, fmt::format("line {}: {}; write the file again", line_number_, what));
   }
 
-  /// With those that it goes on in, behind a \\ at its end.
+  /// Reads a line, joined with its continuations; a line that goes on ends in a backslash.
   bool next_line(std::string& line) {
     line.clear();
     for (std::string part; std::getline(in_, part);) {

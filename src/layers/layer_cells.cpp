@@ -99,8 +99,8 @@ class LayerBuilder {
     if (is_new) out_.info.patches.push_back({free_patch_name(out_.info.patches, name), kind, labels});
     return place->second;
   }
-  /// Faces of the mesh; those under layers are between labels now, if it is another one. Parts of a patch
-  /// that stay unlayered get a patch of their own, unless nothing is behind it.
+  /// Faces of the mesh; those under layers become interfaces where the layers' label is another than the
+  /// mesh's. Parts of a patch that stay unlayered get a patch of their own, unless nothing is behind it.
   void copy_faces() {
     std::vector<std::uint8_t> at_layers(mesh_.vertex_count(), 0), at_columns(mesh_.vertex_count(), 0);
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {

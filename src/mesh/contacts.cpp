@@ -99,7 +99,7 @@ bool lies_on(const FaceCorners& face, std::span<const Cell<4>> own, const FreeSu
          kOpposite;
 }
 
-/// The part with the lowest number that shared faces join to each.
+/// For each part, the lowest number among the parts connected to it by shared faces.
 std::vector<std::uint32_t> joined_groups(std::size_t count, std::span<const Contact> contacts) {
   DisjointSets groups(count);
   for (const Contact& contact : contacts) groups.merge(contact.parts[0], contact.parts[1]);

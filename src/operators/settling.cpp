@@ -142,7 +142,7 @@ class Settling {
     }
   }
 
-  /// Keeps of the curves between two patches those at the rim of a flat one that stays.
+  /// Of the curves between two patches, keeps those that border a flat patch that stays.
   void find_rims() {
     parallel::for_each_index(rims_.size(), 64, [&](std::size_t i) {
       Rim& rim = rims_[i];

@@ -44,8 +44,8 @@ Outcome TetReconnection::operator()(auto& site, TetId t) const {
     if (!rules.repeat && outcome == Outcome::kRejected) tried.note_failure(a, b);
   }
   for (int face = 0; face < 4; ++face) {
-    // The neighbour tried the same face, and neither has changed since: what is made anew carries no note,
-    // and a sweep that moves vertices asks for repeat.
+    // The neighbour tried the same face, and neither has changed since: new tetrahedra have no epoch yet, and
+    // sweeps that move vertices set rules.repeat.
     const FaceLink link = mesh.link(t, face);
     if (!rules.repeat && !link.is_boundary() && mesh.trial_epoch(link.tet()) == epoch) continue;
     if (is_applied(OperatorCode<FaceRemoval>::apply(site, {rules}, {t, face}))) return note_what_changed();

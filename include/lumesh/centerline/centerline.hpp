@@ -46,18 +46,21 @@ struct CenterlineOptions {
 [[nodiscard]] Polylines extract_centerline(const LabelImage& image, const CenterlineOptions& options,
                                            Context& context);
 
-/// The same of what lies before all planes; the sections in these are openings, too, and lines end in the
-/// planes.
+/// The lines of the part of an image that lies before all planes; the sections in these are openings, too,
+/// and lines end in the planes. Return, errors, threads and cost are those of the function above.
 ///
 /// @param cuts  Planes that cut the image, as cut_off() and ImageDomain::cut_planes() have them.
 [[nodiscard]] Polylines extract_centerline(const LabelImage& image, std::span<const CutPlane> cuts,
                                            const CenterlineOptions& options, Context& context);
 
-/// The same for the volume inside a mesh's boundary triangles and quadrilaterals; where there are none, for
+/// The lines of the volume inside a mesh's boundary triangles and quadrilaterals; where there are none, of
 /// its tetrahedra. Patches of kind kOpening, or with names that begin with "inlet" or "outlet", are openings,
 /// and ends lie on their planes; interfaces do not count. Coordinates of the mesh in mm.
 ///
-/// @throws Error{kBadInput} if the mesh has neither, or its boundary encloses nothing.
+/// @return As for images, in the mesh's coordinates.
+/// @throws Error{kBadInput} if the mesh has neither, or its boundary encloses nothing. Threads: parallel,
+/// bitwise identical for every thread count. Cost: the volume is cut into voxels first (voxel_mm), then as
+/// for an image of them.
 [[nodiscard]] Polylines extract_centerline(const MeshView& mesh, const CenterlineOptions& options,
                                            Context& context);
 

@@ -22,7 +22,8 @@ struct LocalLength {
   [[nodiscard]] double in_mm(double radius_mm) const { return is_in_radii ? value * radius_mm : value; }
 };
 
-/// "5r" or "12.5". @throws Error{kUsage} for other texts, which does not name the option.
+/// The length of a text: "5r" is five radii, "12.5" as many mm.
+/// @throws Error{kUsage} for other texts, which does not name the option.
 [[nodiscard]] LocalLength local_length_from(const std::string& text);
 
 /// The length of one opening; of all that are not named, where the name is empty.
@@ -31,7 +32,8 @@ struct NamedLength {
   LocalLength length;
 };
 
-/// "5r", "inlet_1=10r,outlet_2=0", "5r,outlet_2=0". @throws Error{kUsage} as local_length_from().
+/// Lengths of a list: "5r", "inlet_1=10r,outlet_2=0", "5r,outlet_2=0". @throws Error{kUsage} as
+/// local_length_from().
 [[nodiscard]] std::vector<NamedLength> named_lengths_from(const std::string& text);
 
 /// The length of a vessel, of which a name among several is one with another length than those of all.

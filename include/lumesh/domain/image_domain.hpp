@@ -18,7 +18,7 @@ namespace lumesh {
 
 class LabelField;
 
-/// Around a box, in voxels of a frame.
+/// The box around a box in mm (LPS), in voxel indices of a frame.
 [[nodiscard]] Box3 voxel_box(const ImageFrame& frame, const Box3& box_mm);
 
 struct ImageDomainOptions {
@@ -31,9 +31,13 @@ struct ImageDomainOptions {
 /// Const calls from any thread; most cost well under a microsecond.
 class ImageDomain final : public Domain {
  public:
-  /// Throws Error{kUsage} for a cut plane without normal.
+  /// The domain of an image, whose field is made first: parallel inside, bitwise identical for every thread
+  /// count. @throws Error{kUsage} for a cut plane whose normal is zero or not finite, and what LabelField
+  /// throws.
   ImageDomain(const LabelImage& image, const ImageDomainOptions& options);
-  /// With a field that is known, and all that cuts the image.
+  /// The domain of an image with a field that is known. @param cuts  Planes beside those at the image's
+  /// border.
+  /// @throws Error{kUsage} as the other constructor.
   ImageDomain(const LabelImage& image, LabelField field, const std::vector<CutPlane>& cuts);
 
   [[nodiscard]] Surroundings surroundings(const Vec3& point_mm) const override;

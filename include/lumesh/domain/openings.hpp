@@ -48,7 +48,8 @@ struct OpeningSquares {
   [[nodiscard]] Vec3 centre_of(int column, int row) const {
     return first_mm + step_mm * (column * u + row * v);
   }
-  /// Areas of its holes.
+  /// Areas in mm^2 of the holes: parts of the plane that the inside surrounds, in the order in which the rows
+  /// come to them. Const, from any thread.
   [[nodiscard]] std::vector<double> hole_areas_mm2() const;
 };
 

@@ -58,7 +58,9 @@ struct PhantomSpec {
 
 /// JSON text of a spec, numbers in full precision.
 [[nodiscard]] std::string to_json_text(const PhantomSpec& spec);
-/// @throws Error{kBadInput} if the text is not JSON or not a phantom.
+/// The spec that a text of to_json_text() holds, lengths in mm; fields that it leaves out have their
+/// defaults. Values are checked by resolve(), not here. Threads: any number at the same time.
+/// @throws Error{kBadInput} that names the key, if the text is not JSON or not a phantom.
 [[nodiscard]] PhantomSpec phantom_spec_from_json(std::string_view text);
 
 /// Topology of a label in the continuum, which its voxels share as long as every radius is at least 3 voxels.
@@ -91,7 +93,7 @@ struct PhantomStreamline {
 /// noise_voxels.
 class Phantom {
  public:
-  /// @throws Error{kUsage} as resolve().
+  /// A phantom of the spec, with every default filled in. @throws Error{kUsage} as resolve().
   explicit Phantom(const PhantomSpec& spec);
 
   /// With every default filled in.

@@ -56,7 +56,11 @@ struct Cavity {
   Index3 first = Index3::Zero();  ///< The voxel that comes first in memory.
 };
 [[nodiscard]] std::vector<Cavity> find_cavities(const LabelImage& image);
-/// Gives them the label that most voxels beside them have.
+
+/// Cavities filled: each as find_cavities() tells them gets the label that most voxels beside it have, the
+/// smallest such label where several have as many.
+/// @return Counts of the voxels filled and of the cavities, and their volume in mm^3. One thread; no other
+/// may use the image meanwhile.
 VoxelsChanged fill_cavities(LabelImage& image);
 
 /// Makes background of components of all labels together that have fewer voxels.
@@ -68,8 +72,10 @@ struct WallHole {
   std::size_t faces = 0;  ///< Between the inside and the background, joined through their corners.
   Index3 voxel = Index3::Zero();
 };
-/// Labels count as enclosed if nine in ten of their faces to anything else, but for the image's border, are
-/// the wall's. Largest first.
+
+/// Holes in the walls of enclosed labels, the one with the most voxel faces first. A label counts as enclosed
+/// if nine in ten of its faces to anything else, but for the image's border, are the wall's.
+/// Threads: any number at the same time.
 [[nodiscard]] std::vector<WallHole> find_wall_holes(const LabelImage& image);
 
 }  // namespace lumesh

@@ -66,17 +66,24 @@ class MetricField {
 /// of the paper (docs/paper.md). Parallel inside, bitwise identical for every thread count.
 [[nodiscard]] double complexity(const TetMesh& mesh);
 
-/// The same for tensors that are not stored on the mesh, one per vertex slot.
+/// Complexity of tensors that are not stored on the mesh, by the same integral. Parallel inside, bitwise
+/// identical for every thread count.
+/// @param metric  One tensor per vertex slot in 1/mm^2.
 [[nodiscard]] double complexity(const TetMesh& mesh, std::span<const SymTensor> metric);
 
-/// The same integral for a field, over the tetrahedra of a mesh that need not resolve it: each is cut where
-/// the density varies, as often as it takes. Within some per cent.
+/// Complexity of a field, within some per cent: the integral of its density over the tetrahedra of a mesh
+/// that need not resolve it. Each is cut where the density varies, as often as it takes. Parallel inside,
+/// bitwise identical for every thread count.
 [[nodiscard]] double complexity(const MetricField& field, const TetMesh& domain);
 
-/// Sets metric and logarithm of every vertex from the field. Calls enable_metric(). Parallel inside.
+/// Metric (1/mm^2) and its logarithm for every living vertex, from the field at its point. Calls
+/// enable_metric(). Threads: parallel inside, bitwise identical for every thread count; no other may use the
+/// mesh meanwhile.
 void assign_vertex_metrics(TetMesh& mesh, const MetricField& field);
 
-/// Measures every tetrahedron in the metric of its vertices.
+/// Quality for every tetrahedron: its mean ratio (0 to 1, without unit; 0 or below where it is flat or turned
+/// over) in the metric of its vertices, which the mesh has (TetMesh::enable_metric()). Threads: parallel
+/// inside; no other may use the mesh meanwhile.
 void measure_qualities(TetMesh& mesh);
 
 }  // namespace lumesh::metric

@@ -26,14 +26,16 @@ struct MetricLimits {
   std::vector<PatchId> kept_patches = {};  ///< The same for these patches alone.
   double complexity = 0;  ///< Scale all sizes until the mesh sees it; 0: sizes stay as they are.
 
-  /// Without the growth, whose default depends on the sources.
+  /// Adds the options of all limits but the growth, whose default depends on the sources.
   void describe(OptionList& list);
-  /// Throws Error{kUsage} that names a field out of its range, and Error{kBadInput} for bounds that
+  /// @throws Error{kUsage} that names a field out of its range, and Error{kBadInput} for bounds that
   /// contradict one another.
   void validate() const;
 };
 
-/// Gives every vertex its tensor and the logarithm of it. @param mesh  Compact; enable_metric() is called.
+/// Metric of every vertex, with its logarithm, as given. Parallel inside.
+/// @param mesh    Compact; enable_metric() is called.
+/// @param metric  One positive definite tensor per vertex in 1/mm^2.
 void set_metric(TetMesh& mesh, std::span<const SymTensor> metric);
 
 /// Gives every vertex its wanted tensor, scaled, with sizes within the bounds, no more stretched than wanted
@@ -50,23 +52,30 @@ void set_metric(TetMesh& mesh, std::span<const SymTensor> metric);
 /// takes about four times what one passage takes, of which most is gradation.
 double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits = {});
 
-/// One tensor with sizes within the bounds, and no more stretched than wanted.
+/// The tensor (1/mm^2) with its sizes brought within the bounds, and no more stretched than these allow.
+/// Threads: any number at the same time.
+/// @param tensor  Positive definite.
 [[nodiscard]] SymTensor within_limits(const SymTensor& tensor, const MetricLimits& limits);
 
-/// What to tell where limits kept a metric from the complexity that they ask for, by 1 % or more; else empty.
+/// A warning, in one line, where limits kept a metric by more than 1 % from the complexity that they ask for;
+/// else empty.
+/// @param complexity  The one that the mesh sees, as shape_metric() returns it.
 [[nodiscard]] std::string unmet_complexity(double complexity, const MetricLimits& limits);
 
 /// The intersection() of several metrics of a mesh, vertex by vertex: no size is larger than in any of them.
 /// Metrics from different sources have no common scale: where a complexity is wanted, each is scaled to it
 /// first.
-/// @param metrics  At least one; one tensor per vertex of the compact mesh each. @param complexity  0: none.
-/// Parallel inside.
+/// @param metrics  At least one; in each, one tensor in 1/mm^2 per vertex of the compact mesh.
+/// @param complexity  The one wanted; 0: none, nothing is scaled.
+/// @return One tensor per vertex in 1/mm^2. Parallel inside, bitwise identical for every thread count.
 [[nodiscard]] std::vector<SymTensor> intersected(const TetMesh& mesh,
                                                  std::vector<std::vector<SymTensor>> metrics,
                                                  double complexity);
 
-/// Scales all sizes by one factor so that the mesh sees the complexity: for sources whose sizes have no scale
-/// of their own. @param metric  One tensor per vertex of a compact mesh.
+/// All sizes scaled by one factor so that the mesh sees the complexity: for sources whose sizes have no scale
+/// of their own. Bitwise identical for every thread count.
+/// @param metric      One tensor in 1/mm^2 per vertex of a compact mesh; becomes the scaled ones.
+/// @param complexity  > 0.
 void scale_to_complexity(const TetMesh& mesh, std::vector<SymTensor>& metric, double complexity);
 
 }  // namespace lumesh::metric

@@ -156,7 +156,10 @@ struct MetricRequest {
 [[nodiscard]] std::vector<SymTensor> requested_metric(const TetMesh& mesh, const MetricRequest& request,
                                                       SourceData& data, Context& context);
 
-/// What the sources that need no mesh ask for at some places, source by source.
+/// Tensors that the sources which need no mesh ask for at some places.
+/// @param places  In the unit and frame of the data; none: the sources are read and refused alone.
+/// @return Per such source, in the order of MetricSources, one tensor in 1/mm^2 per place, without limits.
+/// @throws what the sources and the data throw: Error{kBadInput} or Error{kUsage} that names the file.
 [[nodiscard]] std::vector<std::vector<SymTensor>> requested_at(std::span<const Vec3> places,
                                                                const MetricRequest& request,
                                                                SourceData& data);

@@ -71,7 +71,7 @@ struct DelaunayRequest {
   bool improves = true;
   ImproveOptions improvement;  ///< Its execution and team are those of the whole stage.
 
-  /// Without cells_per_diameter and the execution.
+  /// Adds the options of the stage but cells_per_diameter and those of the execution.
   void describe(OptionList& list);
   /// @throws Error{kUsage} that names the option.
   void validate() const;
@@ -84,6 +84,7 @@ struct DelaunayMesh {
   bool is_complete = true;  ///< False if it was cancelled before the end.
 };
 
+/// The Delaunay mesh of a domain, improved where the request wants that. Parallel inside.
 /// @param sizing  SizeData::on(); null: none. @throws what mesh_delaunay() and improve() throw.
 [[nodiscard]] DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& request,
                                               const Sizing* sizing, Context& context);

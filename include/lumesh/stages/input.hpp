@@ -57,7 +57,10 @@ struct ImageSelection {
   void describe(OptionList& list, bool has_probabilities = true);
 };
 
-/// @throws Error{kBadInput} that names the file.
+/// The labels of an image that the selection keeps, changed as it says, in LPS and mm. Warns of what it finds
+/// doubtful. Threads: any number at the same time, each with a context of its own.
+/// @throws Error{kBadInput} that names the file, where it cannot be read or holds nothing that is selected;
+/// Error{kUsage} where the selection does not fit it.
 [[nodiscard]] LabelImage read_selected_image(const std::filesystem::path& path,
                                              const ImageSelection& selection, Context& context);
 

@@ -34,7 +34,8 @@ struct Rim {
   [[nodiscard]] bool is_wide() const {
     return radius_mm >= kMinEdges * mean_edge_mm || (vertices.size() >= kMinAround && may_be_end());
   }
-  /// Flat but for what files round, and for what hardly moves a triangle.
+  /// True if the rim leaves its plane by at most 2 % of an edge: what files round, or hardly moves a
+  /// triangle.
   [[nodiscard]] bool is_almost_planar() const {
     constexpr double kShare = 0.02;  // Of an edge.
     return deviation_mm <= kShare * mean_edge_mm;
