@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/joined.hpp"
 #include "lumesh/core/parse_number.hpp"
 
 namespace lumesh {
@@ -23,15 +24,13 @@ std::string text_of(double number) {
   return text.str();
 }
 
-template <class Items, class Text>
-std::string joined(const Items& items, const Text& text) {
-  std::string list;
-  for (const auto& item : items) list += (list.empty() ? "" : ", ") + text(item);
-  return list.empty() ? "none" : list;
-}
-
 std::string or_none(const std::string& text) {
   return text.empty() ? "none" : text;
+}
+
+template <class Items, class Text>
+std::string joined_or_none(const Items& items, const Text& text) {
+  return or_none(joined(items, text));
 }
 
 }  // namespace
@@ -104,10 +103,10 @@ std::string Option::value_text() const {
   return std::visit(
       Overloaded{
           [](bool* v) { return std::string(*v ? "on" : "off"); }, [](std::string* v) { return or_none(*v); },
-          [](std::vector<int>* v) { return joined(*v, [](int i) { return std::to_string(i); }); },
-          [&](std::vector<std::string>* v) { return joined(*v, as_text); },
+          [](std::vector<int>* v) { return joined_or_none(*v, [](int i) { return std::to_string(i); }); },
+          [&](std::vector<std::string>* v) { return joined_or_none(*v, as_text); },
           [](std::map<int, double>* v) {
-            return joined(
+            return joined_or_none(
                 *v, [](const auto& pair) { return std::to_string(pair.first) + "=" + text_of(pair.second); });
           },
           [](const OptionWord& word) { return word.words[word.get()]; },
@@ -117,12 +116,13 @@ std::string Option::value_text() const {
             const auto is_zero = [](double number) { return number == 0; };
             if (zero_text && rows.is_single && std::ranges::all_of(values.front(), is_zero))
               return *zero_text;
-            return joined(values,
-                          [](const std::vector<double>& row) { return "[" + joined(row, text_of) + "]"; });
+            return joined_or_none(
+                values, [](const std::vector<double>& row) { return "[" + joined(row, text_of) + "]"; });
           },
           [](const OptionLabelledFiles& labelled) {
-            return joined(*labelled.files,
-                          [](const auto& file) { return file.first + "=" + std::to_string(file.second); });
+            return joined_or_none(*labelled.files, [](const auto& file) {
+              return file.first + "=" + std::to_string(file.second);
+            });
           },
           [&](const auto&) { return or_none(default_text); }},
       target);

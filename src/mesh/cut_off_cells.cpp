@@ -20,6 +20,7 @@
 #include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/plane_heights.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 
 namespace lumesh {
@@ -399,16 +400,11 @@ class Cutter {
   }
 
   void drop_unused_points() {
-    constexpr std::uint32_t kUnused = ~0U;
-    std::vector<std::uint32_t> number(mesh_.points.size(), kUnused);
-    const auto mark = [&](const auto& cells) {
-      for (const auto& cell : cells)
-        for (const std::uint32_t v : cell) number[v] = 0;
-    };
-    mark(mesh_.tetrahedra), mark(mesh_.pyramids), mark(mesh_.prisms), mark(mesh_.hexahedra);
+    const std::vector<std::uint8_t> in_use = points_in_use(mesh_.view());
+    std::vector<std::uint32_t> number(mesh_.points.size());
     std::uint32_t next = 0;
     for (std::size_t v = 0; v < number.size(); ++v) {
-      if (number[v] == kUnused) continue;
+      if (in_use[v] == 0) continue;
       mesh_.points[next] = mesh_.points[v];
       if (!mesh_.metric.empty()) mesh_.metric[next] = mesh_.metric[v];
       if (!mesh_.sizes_mm.empty()) mesh_.sizes_mm[next] = mesh_.sizes_mm[v];

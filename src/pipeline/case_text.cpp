@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include "case_sections.hpp"
+#include "lumesh/core/joined.hpp"
 
 namespace lumesh {
 namespace pipeline {
@@ -27,9 +28,7 @@ std::string number(double value) {
 
 template <class Items, class Text>
 std::string list_of(const Items& items, const Text& text) {
-  std::string list;
-  for (const auto& item : items) list += (list.empty() ? "" : ", ") + text(item);
-  return "[" + list + "]";
+  return "[" + joined(items, text) + "]";
 }
 
 /// Empty for what has no value. Zero stands for what is not given (Option::zero).

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "lumesh/core/place_text.hpp"
-#include "lumesh/mesh/all_cells.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/quality/layered.hpp"
 #include "lumesh/quality/statistics.hpp"
 #include "lumesh/report/layers_report.hpp"
@@ -11,16 +11,6 @@
 namespace lumesh::report {
 
 namespace {
-
-std::uint64_t used_points(const MeshView& mesh) {
-  std::vector<std::uint8_t> used(mesh.points.size(), 0);
-  const AllCells cells(mesh);
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    cells.visit(c, [&](const auto& corners, Label) {
-      for (const std::uint32_t v : corners) used[v] = 1;
-    });
-  return static_cast<std::uint64_t>(std::ranges::count(used, std::uint8_t{1}));
-}
 
 std::string first_height_text(const LayerCoverage& c) {
   return c.layered > 0
@@ -45,7 +35,8 @@ LayersOfMesh measure_layers(const MeshView& mesh, LayerReport report, double min
       quality::parts_of(mesh, {report.cells, report.core_pyramids, report.core_prisms});
   LayersOfMesh layers = {std::move(report), quality::measure(parts.core), quality::measure(parts.layers),
                          quality::measure_flat_cells(parts.layers), min_before_deg};
-  layers.core.vertices = used_points(parts.core);
+  layers.core.vertices =
+      static_cast<std::uint64_t>(std::ranges::count(points_in_use(parts.core), std::uint8_t{1}));
   return layers;
 }
 

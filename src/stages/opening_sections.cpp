@@ -84,7 +84,9 @@ struct Voxels {
   [[nodiscard]] bool is_tiny() const { return area_mm2 < kFewFaces * face_mm2; }
 };
 
-bool are_in_one_plane(const Opening& a, const Opening& b) {
+/// Whether the sections' planes are one but for half a voxel and the normals' rounding; openings of one cut
+/// plane are told by are_in_one_plane() of the domain.
+bool are_nearly_coplanar(const Opening& a, const Opening& b) {
   return a.normal.dot(b.normal) > kAlike &&
          std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) < 0.5 * std::min(a.voxel_mm, b.voxel_mm);
 }
@@ -95,7 +97,7 @@ bool is_hollow_of_background(const Opening& opening, std::span<const Opening> op
   if (!opening.is_hollow()) return false;
   auto filled = std::make_shared<OpeningSquares>(*opening.squares);
   for (const Opening& other : openings) {
-    if (other.label == opening.label || !other.squares || !are_in_one_plane(opening, other)) continue;
+    if (other.label == opening.label || !other.squares || !are_nearly_coplanar(opening, other)) continue;
     for (int row = 0; row < filled->rows; ++row)
       for (int column = 0; column < filled->columns; ++column)
         if (other.squares->hold(filled->centre_of(column, row)))

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/mesh/all_cells.hpp"
 
 namespace lumesh {
 
@@ -16,6 +17,17 @@ template <class Cells>
   std::vector<std::uint8_t> in_use(count, 0);
   for (const auto& cell : cells)
     for (const std::uint32_t v : cell) in_use[v] = 1;
+  return in_use;
+}
+
+/// One flag per point: 1 if a corner of one of the mesh's cells, of any shape; faces do not count.
+[[nodiscard]] inline std::vector<std::uint8_t> points_in_use(const MeshView& mesh) {
+  std::vector<std::uint8_t> in_use(mesh.points.size(), 0);
+  const AllCells cells(mesh);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    cells.visit(c, [&](const auto& corners, Label) {
+      for (const std::uint32_t v : corners) in_use[v] = 1;
+    });
   return in_use;
 }
 
