@@ -69,7 +69,7 @@ void add_adapt_command(CLI::App& program) {
   sub->add_option("--image", request.image,
                   std::string("Image that the mesh was made of ") + kImageFormats +
                       ": the surface follows its boundary instead of the mesh's own surface");
-  add_options_of(*sub, request.selection);
+  add_options(*sub, options_of(request.selection), "", {"all_frames"});
   add_options_of(*sub, request.cuts);
   add_options_of(*sub, request.stage);
   add_topology_option(*sub, request.stage.adapt.team);

@@ -54,7 +54,7 @@ void add_check_command(CLI::App& program) {
       ->required();
   OptionList selection = options_of(command->selection);
   describe_unit(selection, command->selection.unit);
-  add_options(*sub, selection, "", {"probabilities"});
+  add_options(*sub, selection, "", {"probabilities", "all_frames"});
   add_json_option(*sub, command->json_path, command->run, "the same");
   sub->add_option("--report", command->report_path, kReportHelp);
   finish_command(

@@ -55,7 +55,7 @@ void add_evaluate_command(CLI::App& program) {
   EvaluationRequest& request = command->request;
   sub->add_option("mesh", command->mesh_path, "Mesh (" + formats_for(MeshUse::kReadVolume) + ")")->required();
   sub->add_option("--image", request.image, "Label image the mesh was made from");
-  add_options_of(*sub, request.selection);
+  add_options(*sub, options_of(request.selection), "", {"all_frames"});
   add_unit_option(*sub, request.selection.unit);
   sub->get_option("--unit")->needs("--image");
   add_options_of(*sub, request.cuts);

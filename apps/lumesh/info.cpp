@@ -34,7 +34,7 @@ void add_info_command(CLI::App& program) {
   report::DescriptionRequest& request = command->request;
   CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
   sub->add_option("file", request.path, std::string("Image ") + kImageFormats + " or mesh")->required();
-  add_options_of(*sub, request.selection);
+  add_options(*sub, options_of(request.selection), "", {"all_frames"});
   add_unit_option(*sub, request.selection.unit);
   add_options_of(*sub, request.cuts);
   add_json_option(*sub, command->json_path, command->run, "the same");

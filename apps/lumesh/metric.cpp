@@ -63,9 +63,10 @@ void add_metric_command(CLI::App& program) {
   sub->add_option("--image", request.image,
                   "Label image the mesh was made of, whose boundary's curvature is taken instead")
       ->needs("--curvature");
-  add_options_of(*sub, request.selection);
   const OptionList of_image = options_of(request.selection);
-  for (const Option& option : of_image.all()) sub->get_option(flag_of(option.name))->needs("--image");
+  add_options(*sub, of_image, "", {"all_frames"});
+  for (const Option& option : of_image.all())
+    if (CLI::Option* const flag = sub->get_option_no_throw(flag_of(option.name))) flag->needs("--image");
   // Their rows are those of all points.
   add_keep_option(*sub, request.keep)->excludes("--metric")->excludes("--hessian");
   add_json_option(*sub, command->json_path, command->run, "counts, complexity and times");

@@ -42,9 +42,19 @@ class QuietStreams {
   std::streambuf* cerr_;
 };
 
+/// Teem's traces have a line "[nrrd] FUNCTION: MESSAGE" per function, the innermost one last, whose message
+/// says what is wrong.
+std::string without_trace(const std::string& text) {
+  constexpr std::string_view kLine = "[nrrd] ";
+  const std::size_t last = text.rfind(kLine);
+  if (last == std::string::npos) return text;
+  const std::size_t name_end = text.find(": ", last);
+  return text.substr(name_end == std::string::npos ? last + kLine.size() : name_end + 2);
+}
+
 /// ITK's descriptions run over several lines and begin with the address of an object.
 std::string one_line(const itk::ExceptionObject& fault) {
-  std::string text = fault.GetDescription();
+  std::string text = without_trace(fault.GetDescription());
   constexpr std::string_view kPrefix = "ITK ERROR: ";
   if (const auto at = text.find(kPrefix); at != std::string::npos) text.erase(0, at + kPrefix.size());
   if (const auto at = text.find("): "); at != std::string::npos && at < 60) text.erase(0, at + 3);

@@ -204,7 +204,7 @@ LabelImage label_classes(const RawImage& raw, const fs::path& path, const std::v
   });
   LabelImage image = std::move(sum).finish();
   if (std::ranges::all_of(image.voxels(), [](LabelImage::Index l) { return l == 0; }))
-    fail(path, "no voxel is more likely of a label than of the background");
+    fail(path, "in no voxel is a label more probable than the background");
   return image;
 }
 

@@ -104,7 +104,7 @@ MixedMesh read_medit_ascii(const std::filesystem::path& path) {
   for (std::string_view keyword = scanner.word(); keyword != "End"; keyword = scanner.word()) {
     if (keyword.empty()) scanner.fail("\"End\" is missing, the file is cut off");
     if (keyword == "Dimension") {
-      if (scanner.integer("the dimension") != 3) scanner.fail("only meshes of dimension 3 can be read");
+      if (scanner.integer("the dimension") != 3) scanner.unsuitable("only meshes of dimension 3 can be read");
     } else if (keyword == "Vertices") {
       read_vertices(scanner, builder);
     } else if (const ShapeNames* section = find_shape(&ShapeNames::medit_keyword, keyword)) {

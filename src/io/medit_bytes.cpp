@@ -58,7 +58,7 @@ std::int32_t MeditByteReader::enter_section() {
     end_ = static_cast<std::size_t>(next);
     if (keyword != kMeditDimension) return keyword;
     if (const std::int32_t dimension = small_integer(); dimension != 3)
-      fail(fmt::format("has dimension {}; only files of dimension 3 can be read", dimension));
+      unsuitable(fmt::format("has dimension {}; only files of dimension 3 can be read", dimension));
     leave_section();
   }
 }
@@ -77,7 +77,11 @@ std::size_t MeditByteReader::count(std::size_t row_bytes) {
 }
 
 void MeditByteReader::fail(std::string_view what) const {
-  io::fail(path_, fmt::format("{}; write the file again", what));
+  unsuitable(fmt::format("{}; write the file again", what));
+}
+
+void MeditByteReader::unsuitable(std::string_view what) const {
+  io::fail(path_, std::string(what));
 }
 
 }  // namespace lumesh::io

@@ -68,6 +68,8 @@ class MeditByteReader {
   [[nodiscard]] std::size_t real_bytes() const { return version_ == 1 ? sizeof(float) : sizeof(double); }
 
   [[noreturn]] void fail(std::string_view what) const;
+  /// A fault of what well formed bytes hold, with its own cure if there is one.
+  [[noreturn]] void unsuitable(std::string_view what) const;
 
  private:
   template <class T>

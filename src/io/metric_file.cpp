@@ -57,12 +57,13 @@ class TextSource {
     if (!next.empty() && std::isalpha(static_cast<unsigned char>(next[0])) == 0)
       scanner_.fail(fmt::format("{} holds more numbers than it says", kSection));
   }
-  [[noreturn]] void fail(std::string_view what) const { scanner_.fail(what); }
+  [[noreturn]] void unsuitable(std::string_view what) const { scanner_.unsuitable(what); }
 
  private:
   void check_dimension() {
     if (const std::int64_t dimension = scanner_.integer("the dimension"); dimension != 3)
-      scanner_.fail(fmt::format("has dimension {}; only metrics of dimension 3 can be read", dimension));
+      scanner_.unsuitable(fmt::format(
+          "has dimension {}; only metrics of dimension 3 can be read, of a volume mesh", dimension));
   }
 
   io::TextScanner scanner_;
@@ -85,7 +86,7 @@ class ByteSource {
   std::int64_t kind() { return bytes_.small_integer(); }
   double real() { return bytes_.real(); }
   void leave_section() { bytes_.leave_section(); }
-  [[noreturn]] void fail(std::string_view what) const { bytes_.fail(what); }
+  [[noreturn]] void unsuitable(std::string_view what) const { bytes_.unsuitable(what); }
 
  private:
   io::MeditByteReader bytes_;
@@ -121,30 +122,33 @@ class FieldReader {
 
   /// Goes to the field's first number. @return its kind.
   std::int64_t enter(Wanted wanted) {
-    if (!source_.find_section()) source_.fail(fmt::format("has no section {}", kSection));
+    if (!source_.find_section())
+      source_.unsuitable(fmt::format("has no section {}; give a file of a solution", kSection));
     const std::int64_t count = source_.count(), kind = read_kind();
     if (wanted == Wanted::kNumbers && kind != kSizeField)
-      source_.fail("has a field of tensors where one number per vertex is wanted");
+      source_.unsuitable("has a field of tensors; give one with a number per vertex");
     const std::string_view things = wanted == Wanted::kNumbers ? "values"
                                     : kind == kTensorField     ? "tensors"
                                                                : "sizes";
     if (count < 0 || static_cast<std::uint64_t>(count) != expected_count_)
-      source_.fail(fmt::format("has {} {}, the mesh has {} vertices", count, things, expected_count_));
+      source_.unsuitable(fmt::format("has {} {}, the mesh has {} vertices; give the one of this mesh", count,
+                                     things, expected_count_));
     return kind;
   }
 
   void leave() {
     source_.leave_section();
-    if (source_.find_section()) source_.fail(fmt::format("has several sections {}", kSection));
+    if (source_.find_section())
+      source_.unsuitable(fmt::format("has several sections {}; keep one", kSection));
   }
 
   std::int64_t read_kind() {
     const std::int64_t fields = source_.kind();
     if (fields != 1)
-      source_.fail(fmt::format("has {} fields where a metric is one; keep that field alone", fields));
+      source_.unsuitable(fmt::format("has {} fields where a metric is one; keep that field alone", fields));
     const std::int64_t kind = source_.kind();
     if (kind != kSizeField && kind != kTensorField)
-      source_.fail(
+      source_.unsuitable(
           fmt::format("has a field of kind {}; a metric is of kind {} (size) or {} (symmetric tensor)", kind,
                       kSizeField, kTensorField));
     return kind;
@@ -155,7 +159,7 @@ class FieldReader {
     for (double& number : numbers) number = source_.real();
     const SymTensor tensor = io::from_medit_order(numbers);
     if (const std::string_view fault = io::metric_fault(tensor); !fault.empty())
-      source_.fail(fmt::format("the tensor of vertex {} {}; the order is {}", vertex, fault, kOrder));
+      source_.unsuitable(fmt::format("the tensor of vertex {} {}; the order is {}", vertex, fault, kOrder));
     return tensor;
   }
 
@@ -164,7 +168,8 @@ class FieldReader {
     const double inverse_square = 1 / size_mm / size_mm;
     const SymTensor tensor = SymTensor::diagonal(inverse_square, inverse_square, inverse_square);
     if (!(size_mm > 0) || !io::metric_fault(tensor).empty())
-      source_.fail(fmt::format("the size of vertex {} is {}, not a usable length above 0", vertex, size_mm));
+      source_.unsuitable(
+          fmt::format("the size of vertex {} is {}, not a usable length above 0", vertex, size_mm));
     return tensor;
   }
 

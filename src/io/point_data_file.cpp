@@ -190,10 +190,10 @@ const auto& array_named(const Arrays& arrays, const std::string& name, const std
   const auto found = arrays.find(name.empty() ? usual : name);
   if (found != arrays.end()) return found->second;
   if (name.empty() && arrays.size() == 1) return arrays.begin()->second;
-  const std::string fault = !name.empty()    ? fmt::format("has no {} {} on its points", kind, name)
-                            : arrays.empty() ? fmt::format("has no {} on its points", kind)
-                                             : fmt::format("has several {} on its points, name one", kind);
-  throw Error(ErrorKind::kBadInput, fmt::format("{}; there are: {}", fault, list_of(arrays)));
+  const std::string fault = !name.empty()    ? fmt::format("has no point array \"{}\" of {}", name, kind)
+                            : arrays.empty() ? fmt::format("has no point array of {}", kind)
+                                             : fmt::format("has several point arrays of {}, name one", kind);
+  throw Error(ErrorKind::kBadInput, fmt::format("{}; arrays there: {}", fault, list_of(arrays)));
 }
 
 }  // namespace

@@ -58,7 +58,8 @@ std::vector<Vec3> read_text(const std::filesystem::path& path) {
         p[static_cast<int>(axis)] =
             io::real_from(fields[columns[axis]]).value_or(std::numeric_limits<double>::quiet_NaN());
     if (!p.allFinite())
-      io::fail(path, fmt::format("line {}: three finite numbers x y z are wanted, in mm", number));
+      io::fail(path, fmt::format("line {}: three finite numbers x y z are wanted, in mm; give three columns",
+                                 number));
     points.push_back(p);
   });
   return points;
@@ -88,7 +89,7 @@ MixedMesh read_any(const std::filesystem::path& path) {
 MixedMesh read_points(const std::filesystem::path& path) {
   io::check_file(path);
   MixedMesh cloud = read_any(path);
-  if (cloud.points.empty()) io::fail(path, "holds no points");
+  if (cloud.points.empty()) io::fail(path, "holds no points; give one per line");
   return cloud;
 }
 

@@ -37,10 +37,15 @@ class TextScanner {
   explicit TextScanner(const std::filesystem::path& path, char comment = '\0')
       : path_(path), text_(read_whole_file(path)), comment_(comment) {}
 
+  /// A fault of the text, which another writing of the file may cure.
   [[noreturn]] void fail(std::string_view what) const {
+    unsuitable(fmt::format("{}; write the file again", what));
+  }
+  /// A fault of what a well formed text holds, with its own cure if there is one.
+  [[noreturn]] void unsuitable(std::string_view what) const {
     std::size_t line = 1;
     for (std::size_t i = 0; i < position_; ++i) line += text_[i] == '\n' ? 1 : 0;
-    io::fail(path_, fmt::format("line {}: {}; write the file again", line, what));
+    io::fail(path_, fmt::format("line {}: {}", line, what));
   }
 
   [[nodiscard]] std::string_view text() const { return text_; }

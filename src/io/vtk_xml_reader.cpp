@@ -64,7 +64,7 @@ VtkXmlReader::VtkXmlReader(const std::filesystem::path& path, std::string_view d
   std::ifstream in(path, std::ios::binary);
   if (!in) fail("cannot be opened for reading; check the path");
   content_.assign(std::istreambuf_iterator<char>(in), {});
-  if (content_.empty()) fail("the file is empty");
+  if (content_.empty()) fail("the file is empty; copy it again");
   split_appended();
   const std::size_t xml_size = appended_.data() == nullptr
                                    ? content_.size()
@@ -74,7 +74,7 @@ VtkXmlReader::VtkXmlReader(const std::filesystem::path& path, std::string_view d
   const pugi::xml_parse_result result =
       document_.load_buffer_inplace(content_.data(), xml_size, pugi::parse_minimal | pugi::parse_fragment);
   if (!result && appended_.data() == nullptr)
-    fail(fmt::format("not a complete XML file ({})", result.description()));
+    fail(fmt::format("not a complete XML file ({}); write or copy it again", result.description()));
   const pugi::xml_node file = document_.child("VTKFile");
   if (!file) fail("not a VTK XML file");
   if (file.attribute("type").value() != dataset_type)

@@ -25,8 +25,8 @@ void LatticeOptions::describe(OptionList& list) {
   list.number("max_tetrahedra", max_tetrahedra, at_least(1),
               "Refinement of thin parts is given up level by level until the prediction is below");
   list.number("min_dihedral", min_dihedral_deg, between(1, 25),
-              "Floor of the dihedral angles, but for single ones where a vertex would leave the image or an "
-              "opening would not be flat")
+              "Least dihedral angle; a few may be smaller where a vertex would leave the image or an opening "
+              "would not be flat")
       .in("degrees");
   list.number("max_dihedral", max_dihedral_deg, between(130, 175),
               "Ceiling of the dihedral angles, but for the same")

@@ -177,8 +177,10 @@ PatchRenaming renaming_from(std::string_view text) {
   if (renaming.kind && contradicts(renaming.name, *renaming.kind))
     throw Error(
         ErrorKind::kUsage,
-        fmt::format("\"{}\": files that have names only would not take {} for {}; choose another name", text,
-                    renaming.name, renaming.kind->word()));
+        fmt::format(
+            "\"{}\": the name {} would be read as another kind than {} from files that store names only; "
+            "choose another name",
+            text, renaming.name, renaming.kind->word()));
   if (!renaming.near_mm && !renaming.area_mm2) renaming.patch = std::string(patch);
   return renaming;
 }

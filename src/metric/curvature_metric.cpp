@@ -21,7 +21,10 @@ namespace lumesh::metric {
 
 namespace {
 
-std::vector<Vec3> vertex_normals(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
+/// Unit normals of frames in which heights are fitted, weighted by area: curvature_of() takes the slope in
+/// the frame into account, so that a tilt does no harm. Surfaces that meshes follow need the weights by angle
+/// of vertex_normals() (domain/surface.hpp).
+std::vector<Vec3> frame_normals(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
   std::vector<Vec3> normals(points.size(), Vec3::Zero());
   for (const Cell<3>& t : triangles)
     for (const std::uint32_t v : t) normals[v] += triangle_area_normal(points, t);
@@ -134,7 +137,7 @@ void CurvatureOptions::describe(OptionList& list) {
   list.number("chord_height", chord_mm, above(0),
               "Instead: how far the middle of an edge may stand off its arc")
       .in("mm")
-      .zero("as edges_per_radius says")
+      .zero("as the edges per radius say")
       .needs("curvature")
       .excludes("edges_per_radius");
 }
@@ -170,7 +173,7 @@ std::vector<SurfaceCurvature> fit_curvatures(std::span<const Vec3> points,
   for (const Cell<3>& t : triangles)
     for (int i = 0; i < 3; ++i) parallel::add_both_ways(t[i], t[(i + 1) % 3], edges);
   const parallel::Adjacency neighbours = parallel::adjacency_of(edges, points.size());
-  const std::vector<Vec3> normals = vertex_normals(points, triangles);
+  const std::vector<Vec3> normals = frame_normals(points, triangles);
   std::vector<SurfaceCurvature> curvatures(points.size());
   parallel::for_each_index(points.size(), 64, [&](std::size_t v) {
     const std::vector<std::uint32_t> about = vertices_about(neighbours, v, kRings, kMinNeighbours);

@@ -145,7 +145,7 @@ void MetricRequest::describe(OptionList& list) {
   list.choice("frozen_sizes", frozen_sizes,
               {{"auto", Choice()}, {"on", Choice(true)}, {"off", Choice(false)}},
               "Near the boundary, sizes go over to those of its triangles, as a boundary that is not adapted "
-              "wants it; auto: where run keeps the boundary",
+              "wants it; auto: on in `lumesh run` with a frozen boundary, else off",
               {{"true", "auto"}, {"false", "off"}});
 }
 

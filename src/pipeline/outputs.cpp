@@ -34,7 +34,7 @@ std::string text_of_case(const CaseState& state) {
   again.output.folder.clear();
   again.run = {};
   return fmt::format(
-      "# lumesh {}: the case {} with every setting that was in force but [run] and the folder\n# input {}\n# "
+      "# lumesh {}: the case {}: all settings used, without [run] and the output folder\n# input {}\n# "
       "SHA-256 {}\n\n{}",
       kVersion, state.c.name, state.given.name, state.input_sha256, case_text(again));
 }
@@ -193,7 +193,7 @@ std::vector<report::OutputFile> write_meshes(const CaseState& state, const std::
     files.push_back({output.surface, "its boundary"});
   }
   write_text_file(folder / kEffectiveCase, text_of_case(state));
-  files.push_back({kEffectiveCase, "the case with every setting that was in force; `lumesh run` takes it"});
+  files.push_back({kEffectiveCase, "the case with all settings used; `lumesh run` takes it"});
   return files;
 }
 

@@ -54,8 +54,8 @@ std::string reasons_html(const LayerReport& report) {
   if (rows.empty()) return "";
   return section("Why columns are shorter",
                  "<table class=\"flow\">" + rows +
-                     "</table><p class=\"note\">Shares of the patch's area, by what "
-                     "shortened a column last.</p>");
+                     "</table><p class=\"note\">Shares of the patch's area, by the "
+                     "limit that shortened the column last.</p>");
 }
 
 std::string worst_html(const LayerReport& report) {

@@ -54,6 +54,16 @@ std::string note_on_volumes(const std::vector<LabelChange>& changes) {
                      worst->before_mm3);
 }
 
+/// A line where the surface needs far more vertices than a small complexity has; else empty.
+std::string note_on_many_vertices(std::size_t vertices, const AdaptReport& report) {
+  constexpr double kMany = 6;  // Per unit of complexity.
+  if (!report.complete || static_cast<double>(vertices) < kMany * report.complexity) return "";
+  return fmt::format(
+      "{} vertices for a complexity of {:.3g}, of which about 2 each are usual: the surface needs more than "
+      "the sizes ask for",
+      vertices, report.complexity);
+}
+
 }  // namespace
 
 AdaptResult adapt_mesh(TetMesh& mesh, metric::MetricField& field, const AdaptRequest& request,
@@ -71,8 +81,9 @@ AdaptResult adapt_mesh(TetMesh& mesh, metric::MetricField& field, const AdaptReq
   constexpr double kSeenMm = 1e-6;
   const std::string remedy =
       fmt::format("a smaller {} or {} may help", option_name("gradation"), option_name("max_size"));
-  for (std::string note : {note_on_vertices_outside(mesh.points(), options.keep_within, kSeenMm, remedy),
-                           note_on_volumes(result.volumes)})
+  for (std::string note :
+       {note_on_vertices_outside(mesh.points(), options.keep_within, kSeenMm, remedy),
+        note_on_volumes(result.volumes), note_on_many_vertices(mesh.vertex_count(), result.report)})
     if (!note.empty()) result.notes.push_back(std::move(note));
   return result;
 }

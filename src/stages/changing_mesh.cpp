@@ -79,6 +79,7 @@ std::vector<SymTensor> ChangingMesh::given_metric(const std::string& name, const
 void ChangingMesh::finish(const std::map<std::string, std::string>& provenance, Context& context) {
   changing_.info().provenance = provenance;
   faces_ = changing_.boundary_faces();
+  is_finished_ = true;
   if (kept_) {
     whole_ = context.phase("put back", [&] { return kept_->put_back(changing_); });
     own_.bring_back(whole_);
@@ -90,6 +91,7 @@ void ChangingMesh::finish(const std::map<std::string, std::string>& provenance, 
 void ChangingMesh::finish_metric(const std::map<std::string, std::string>& provenance) {
   changing_.info().provenance = provenance;
   faces_ = changing_.boundary_faces();
+  is_finished_ = true;
   if (!kept_) return own_.bring_back(changing_);
   whole_ = *input_;
   whole_.info.provenance = provenance;

@@ -55,16 +55,6 @@ void warn_of_doubts(const MeshAdaptationRequest& request, const std::string& nam
     context.warn(request.image + ": no patch follows it; all are planes, cylinders or mixed");
 }
 
-/// Small complexities do not suffice for what the surface needs.
-void warn_of_many_vertices(const TetMesh& mesh, const AdaptReport& report, const Context& context) {
-  constexpr double kMany = 6;  // Per unit of complexity.
-  if (!report.complete || mesh.vertex_count() < kMany * report.complexity) return;
-  context.warn(fmt::format(
-      "{} vertices for a complexity of {:.3g}, of which about 2 each are usual: the surface needs more "
-      "than the sizes ask for",
-      mesh.vertex_count(), report.complexity));
-}
-
 }  // namespace
 
 void MeshAdaptationRequest::describe_metric(OptionList& list) {
@@ -116,7 +106,6 @@ AdaptedMesh adapt_mesh(MixedMesh& input, const std::string& name, const MeshAdap
                        [&] { return adapt_mesh(mesh, field, stage, complexity, context); });
   for (const std::string& note : made.result.notes) context.warn(note);
   if (stage.boundary.image) warn_of_doubts(request, name, mesh.info(), made.result, context);
-  warn_of_many_vertices(mesh, made.result.report, context);
   return made;
 }
 

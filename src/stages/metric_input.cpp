@@ -36,19 +36,24 @@ TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path) {
   });
 }
 
+Error without_metric(const std::string& mesh_path, const std::string& way) {
+  return {ErrorKind::kBadInput, fmt::format("{}: carries no metric; {}", mesh_path, way)};
+}
+
 std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_path,
                                  const std::string& metric_path) {
   std::vector<SymTensor> tensors =
       metric_path.empty() ? mesh.metric : read_metric(metric_path, mesh.points.size());
   if (tensors.empty())
-    throw Error(ErrorKind::kBadInput, mesh_path +
-                                          ": carries no metric; make one with `lumesh metric`, or give " +
-                                          option_name("metric") + " or " + option_name("analytic"));
+    throw without_metric(mesh_path, "make one with `lumesh metric`, or give " + option_name("metric") +
+                                        " or " + option_name("analytic"));
   for (std::size_t i = 0; i < tensors.size(); ++i)
     if (!metric::is_metric(tensors[i]))
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("{}: the tensor of vertex {} is not positive definite and finite",
-                              metric_path.empty() ? mesh_path : metric_path, i));
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format("{}: the tensor of vertex {} is no metric; its eigenvalues must be finite, above 0 "
+                      "and within a factor of 1e30 of each other",
+                      metric_path.empty() ? mesh_path : metric_path, i));
   return tensors;
 }
 

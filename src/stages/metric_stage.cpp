@@ -13,6 +13,7 @@
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/metric/shaping.hpp"
+#include "lumesh/stages/metric_input.hpp"
 
 namespace lumesh {
 namespace {
@@ -29,9 +30,8 @@ class MeshSources final : public metric::SourceData {
       std::vector<std::string> options;
       for (const std::string& name : metric::MetricRequest::source_options())
         options.push_back(option_name(name));
-      throw Error(ErrorKind::kBadInput,
-                  fmt::format("{}: carries no metric; give what it is to be made of: {}", name_,
-                              fmt::join(options, " or ")));
+      throw without_metric(name_,
+                           fmt::format("give what it is to be made of: {}", fmt::join(options, " or ")));
     }
     return mesh_.given_metric(name_, file);
   }
@@ -42,6 +42,10 @@ class MeshSources final : public metric::SourceData {
     });
   }
   metric::Flow flow(const std::string& file, const std::string& array) override {
+    if (file == "phantom")
+      throw Error(ErrorKind::kUsage,
+                  "only a case whose input is a phantom knows the phantom's flow; make a file of it with "
+                  "`lumesh phantom --velocity FILE` and give that");
     return context_.phase("read velocity",
                           [&] { return read_flow_in(mesh_.changing().info(), file, array); });
   }

@@ -98,8 +98,7 @@ void SurfaceInputOptions::describe(OptionList& list) {
       "patch_array", patch_array,
       "Of a .vtp surface: array of whole numbers of its cells that are patches; none: patch, ModelFaceID or "
       "CellEntityIds");
-  list.flag("keep_open", keeps_open,
-            "Of a surface: refuse open ones, instead of capping their openings and filling their holes");
+  list.flag("keep_open", keeps_open, "Refuse open surfaces instead of capping openings and filling holes");
 }
 
 void SurfaceInputOptions::validate() const {

@@ -39,6 +39,19 @@ class MetricCommandTest(MeshTest):
         self.assert_refused(result, code, *options_and_words[split + 1:])
 
 
+class OfferedTest(MetricCommandTest):
+    """What the help offers of cases and images can be meant, or is refused with a way."""
+
+    def test_the_flow_of_a_phantom_is_that_of_a_case(self):
+        self.refused(USAGE, "--velocity", "phantom", None, "only a case", "lumesh phantom --velocity FILE")
+
+    def test_all_frames_are_not_offered_where_one_is_needed(self):
+        self.assertNotIn("--all-frames", self.run_well("metric", "--help").stdout)
+
+    def test_defaults_name_no_option_in_another_spelling(self):
+        self.assertIn("as the edges per radius say", self.run_well("metric", "--help").stdout)
+
+
 class PointsTest(MetricCommandTest):
     def setUp(self):
         super().setUp()
@@ -159,7 +172,7 @@ class VelocityTest(MetricCommandTest):
         self.places = self.places[:9]
         few = self.write_flow(lambda x, y, z: (1, 0, 0), name="few.csv")
         self.refused(BAD_INPUT, "--velocity", few, None, "few.csv", "9 different points", "20")
-        self.refused(BAD_INPUT, "--velocity", self.write_csv([("x", "y", "z"), (0, 0, 0)]), None, "no vectors", "none")
+        self.refused(BAD_INPUT, "--velocity", self.write_csv([("x", "y", "z"), (0, 0, 0)]), None, "no point array of vectors", "none")
         self.refused(USAGE, "--velocity", far, "--velocity-k", 2, None, "--velocity-k", "between 3")
         self.refused(USAGE, "--velocity", far, "--velocity-stretch", 0.5, None, "--velocity-stretch", "between 1")
         self.refused(USAGE, "--velocity", far, "--velocity-flatness", 0, None, "--velocity-flatness", "between 1")

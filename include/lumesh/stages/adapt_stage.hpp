@@ -32,7 +32,8 @@ struct AdaptResult {
   AdaptReport report;
   std::size_t patches_on_image = 0;  ///< Patches that followed the image.
   std::vector<LabelChange> volumes = {};
-  /// Warnings: of vertices beyond the image, and of labels whose volume has changed.
+  /// Warnings: of vertices beyond the image, of labels whose volume has changed, and of more vertices than
+  /// the sizes ask for.
   std::vector<std::string> notes = {};
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lumesh/adapt/keep.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
@@ -64,8 +65,11 @@ class ChangingMesh {
   /// The same where nothing but the metric has changed: kept cells have the one they carry, or that of their
   /// own edges, and points and cells have the numbers that they had.
   void finish_metric(const std::map<std::string, std::string>& provenance);
-  /// The whole mesh, once it is finished.
-  [[nodiscard]] MeshView view() const { return kept_ ? whole_.view() : changing_.view(faces_); }
+  /// The whole mesh, once it is finished: asserted, as its frame and unit would be wrong before.
+  [[nodiscard]] MeshView view() const {
+    LUMESH_ASSERT(is_finished_);
+    return kept_ ? whole_.view() : changing_.view(faces_);
+  }
   /// Boundary faces of the changing part, once it is finished.
   [[nodiscard]] const BoundaryFaces& faces() const { return faces_; }
 
@@ -76,6 +80,7 @@ class ChangingMesh {
   TetMesh changing_;
   BoundaryFaces faces_;
   MixedMesh whole_;  // Where cells are kept.
+  bool is_finished_ = false;
 };
 
 }  // namespace lumesh

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "lumesh/core/error.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh {
@@ -11,6 +12,9 @@ namespace lumesh {
 /// The mesh with adjacency. @throws Error{kBadInput} that names the file if it has other cells than
 /// tetrahedra, none at all, or is not valid.
 [[nodiscard]] TetMesh tetrahedra_of(const MixedMesh& mesh, const std::string& path);
+
+/// The error of a mesh that carries no metric. @param way  How to give it one: "make one with …".
+[[nodiscard]] Error without_metric(const std::string& mesh_path, const std::string& way);
 
 /// The tensors that the mesh carries, or those of a .sol or .solb file. Checked: one positive definite tensor
 /// per vertex.

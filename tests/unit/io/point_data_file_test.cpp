@@ -103,10 +103,11 @@ TEST_F(PointDataFile, AnArrayIsTheOneNamedOrTheUsualOrTheOnlyOne) {
   const auto fault = [&](const std::string& name, const std::string& usual) -> std::string {
     return fixtures::error_of([&] { (void)vectors_named(data, name, usual); });
   };
-  EXPECT_EQ(fault("speed", "velocity"), "has no vectors speed on its points; there are: flow, velocity");
-  EXPECT_EQ(fault("", "u"), "has several vectors on its points, name one; there are: flow, velocity");
+  EXPECT_EQ(fault("speed", "velocity"),
+            "has no point array \"speed\" of vectors; arrays there: flow, velocity");
+  EXPECT_EQ(fault("", "u"), "has several point arrays of vectors, name one; arrays there: flow, velocity");
   data.vectors.clear();
-  EXPECT_EQ(fault("", "u"), "has no vectors on its points; there are: none");
+  EXPECT_EQ(fault("", "u"), "has no point array of vectors; arrays there: none");
 }
 
 TEST_F(PointDataFile, FaultsNameTheLine) {
