@@ -115,7 +115,7 @@ inline constexpr UsualShare kUsualShares[] = {
     {"run", "refinement", 3},
     {"run", "improvement", 3},
     {"run", "sources", 3},
-    {"run", "shaping", 2},
+    {"run", "limits", 2},
     {"run", "measures", 6},
     {"run", "pictures", 2},
     {"run", "background", 2},

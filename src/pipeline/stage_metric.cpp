@@ -73,7 +73,7 @@ void make_metric(CaseState& state, report::StageReport& stage) {
       metric::requested_metric(state.mesh, state.c.metric, data, state.context);
   const metric::MetricLimits limits = limits_of(state.c);
   const double complexity =
-      state.context.phase("shaping", [&] { return metric::shape_metric(state.mesh, wanted, limits); });
+      state.context.phase("limits", [&] { return metric::shape_metric(state.mesh, wanted, limits); });
   state.has_metric = true;
   stage.figures.push_back({"Vertices", std::uint64_t{state.mesh.vertex_count()}});
   stage.figures.push_back(
