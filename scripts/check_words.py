@@ -16,7 +16,7 @@ import sys
 
 import sources
 
-BUDGET = 517
+BUDGET = 414
 TEXT_BUDGET = 27
 TEXT_LENGTH = 25
 PROGRAM = ("include", "internal", "src", "apps")

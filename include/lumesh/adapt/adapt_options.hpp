@@ -23,7 +23,7 @@ enum class Reconnection : std::uint8_t {
                ///< refined).
 };
 
-/// Where new points of the volume are put; those of curves and surfaces split edges.
+/// Places of new points of the volume; those of curves and surfaces split edges.
 enum class PointPlacement : std::uint8_t {
   kEdge,      ///< On the longest edges.
   kCentroid,  ///< On the centroids of tetrahedra with long edges, else on these (mpp 5).
@@ -45,7 +45,7 @@ struct AdaptOptions {
   bool as_cdt3d_with_metric =
       true;  ///< Accepted for CDT3D's command lines (met, meval, reconstruct); only true is allowed.
   operators::KeepWithin keep_within =
-      {};  ///< Where vertices of curved patches may be in the end; null: everywhere.
+      {};  ///< Places where vertices of curved patches may be in the end; null: everywhere.
 
   void describe(OptionList& list);
   /// @throws Error{kUsage} that names the field.
@@ -71,7 +71,7 @@ struct AdaptReport {
 struct BoundaryOptions {
   bool is_frozen = false;                    ///< Keeps every vertex and triangle of the boundary.
   std::vector<PatchId> frozen_patches = {};  ///< Keeps these alone, with the curves they end in.
-  double feature_angle_deg = 40;  ///< Where patches bend by more they keep their creases, 1 to 180.
+  double feature_angle_deg = 40;             ///< Angle above which bent patches keep their creases, 1 to 180.
   /// What curved patches follow, where they lie near its boundary; null: the smooth surface of the mesh
   /// itself.
   std::shared_ptr<const ImageDomain> image = nullptr;

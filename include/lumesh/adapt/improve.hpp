@@ -27,10 +27,10 @@ struct ImproveOptions {
   /// makes a longer one. The metric of the result.
   std::optional<metric::MetricField> sizes = {};
   operators::Refusal refusal = {};  ///< Refuses tetrahedra that are not to be made; null: none.
-  /// Where patches truly run, if that is known: what slides ends there, as far as angles allow
+  /// Places where patches truly run, if known: what slides ends there, as far as angles allow
   /// (operators::settle()). Else what slides keeps to the smooth surface through the vertices at the start.
   operators::PlaceOnPatch place = {};
-  operators::KeepWithin keep_within = {};  ///< Where such a place may be; null: everywhere.
+  operators::KeepWithin keep_within = {};  ///< Space for such places; null: everywhere.
   operators::Stays stays = {};             ///< Which vertices of patches neither slide nor settle.
   bool settles_all = false;                ///< Not only what slides goes to its place.
   double lift = 1;                         ///< As operators::SettlingRules::lift.

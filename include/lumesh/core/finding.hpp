@@ -22,9 +22,9 @@ struct Finding {
   std::string kind;  ///< A word for programs, such as "self_intersections".
   Severity severity = Severity::kRemark;
   std::uint64_t count = 0;
-  std::string text;    ///< The same for people, to be read after the count: "pairs of triangles …".
-  std::string remedy;  ///< One line; empty where nothing has to be done.
-  std::vector<Vec3> places_mm;      ///< Places of the first ones, at most kMaxPlaces; may be empty.
+  std::string text;             ///< A text for people, to be read after the count: "pairs of triangles …".
+  std::string remedy;           ///< One line; empty where nothing has to be done.
+  std::vector<Vec3> places_mm;  ///< Places of the first ones, at most kMaxPlaces; may be empty.
   std::vector<Index3> voxels = {};  ///< Voxels of the same places in an image; else empty.
 
   /// Counts one more, and keeps its place if there is room.

@@ -82,14 +82,14 @@ struct OptionLabelledFiles {
   LabelledFiles* files;
 };
 
-/// Where the value of an option is kept. A map holds numbers of single labels.
+/// The place where an option's value is kept. A map holds numbers of single labels.
 using OptionTarget = std::variant<bool*, int*, std::size_t*, double*, std::optional<double>*, std::string*,
                                   std::vector<int>*, std::vector<std::string>*, std::map<int, double>*,
                                   OptionWord, OptionPath, OptionRows, OptionLabelledFiles>;
 
 /// One option. The functions that return the option itself complete its description.
 struct Option {
-  std::string name;  ///< As in case files: words joined by underscores.
+  std::string name;  ///< Words as in case files, joined by underscores.
   OptionTarget target;
   OptionRange range;      ///< Range of numbers.
   std::string meaning;    ///< A phrase without a full stop.

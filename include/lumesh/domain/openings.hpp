@@ -62,7 +62,7 @@ struct Opening {
   Vec3 normal = Vec3::UnitZ();  ///< Unit, out of the object.
   Box3 box_mm;                  ///< Around the part.
   double voxel_mm = 1;  ///< The resolution within the plane: what is nearer than this may belong to it.
-  /// Where it is: squares of its plane; null if that is not known.
+  /// Its place: squares of its plane; null if that is not known.
   std::shared_ptr<const OpeningSquares> squares = nullptr;
   /// True for a section of a wall: it surrounds openings of other labels that have a quarter of its area or
   /// more together.
@@ -107,7 +107,7 @@ struct RimPlace {
 /// size.
 [[nodiscard]] std::vector<RimPlace> find_rim_places(const Domain& domain, double step_mm);
 
-/// The same as renamings need them.
+/// The openings as renamings need them.
 [[nodiscard]] std::vector<NamedOpening> named_openings(std::span<const Opening> openings);
 
 /// Area of the voxel's section along a plane.
@@ -140,7 +140,7 @@ struct OpeningInMesh {
 };
 
 struct OpeningsCompared {
-  std::vector<OpeningInMesh> openings;  ///< All of the domain.
+  std::vector<OpeningInMesh> openings;  ///< The openings of the whole domain.
   std::vector<std::string> others;      ///< Openings of the mesh that are none of the domain.
 };
 

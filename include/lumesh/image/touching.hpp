@@ -25,7 +25,7 @@ enum class TouchChoice : std::uint8_t {
 struct ThinPlace {
   enum class Kind : std::uint8_t {
     kTouching,  ///< Vessels side by side share voxel faces there.
-    kNear,      ///< The same a voxel apart, or with edges and corners only.
+    kNear,      ///< Vessels a voxel apart, or with edges and corners only.
     kBridge,    ///< One or two voxels thick between thicker parts.
   };
   Kind kind = Kind::kTouching;

@@ -64,9 +64,9 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 /// Uses of files of meshes, and of metrics beside them.
 enum class MeshUse : std::uint8_t {
   kRead,          ///< read_mesh().
-  kReadVolume,    ///< The same where cells are wanted.
+  kReadVolume,    ///< Reading where cells are wanted.
   kWrite,         ///< write_mesh().
-  kWriteVolume,   ///< The same where it writes the volume, not the boundary alone.
+  kWriteVolume,   ///< Writing of the volume, not the boundary alone.
   kWriteMixed,    ///< Such a volume of prisms and pyramids, too, not of tetrahedra alone.
   kWriteSurface,  ///< write_surface().
   kCarryMetric,   ///< A metric or sizes in the mesh's own file.

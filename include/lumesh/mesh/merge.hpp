@@ -15,9 +15,9 @@ class OptionList;
 
 /// Meaning of a label that stands in several meshes under one number.
 enum class EqualLabels : std::uint8_t {
-  kByName,  ///< The same material, unless both have names that differ.
+  kByName,  ///< One material, unless both have names that differ.
   kApart,   ///< Another material in each mesh.
-  kSame,    ///< The same material, whatever its names: the parts come from one mesh.
+  kSame,    ///< One material, whatever its names: the parts come from one mesh.
 };
 
 struct MergeOptions {

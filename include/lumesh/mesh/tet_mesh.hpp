@@ -37,7 +37,7 @@
 
 namespace lumesh {
 
-/// What lies behind a face: a face of the neighbour, or the outside with a patch.
+/// The other side of a face: a face of the neighbour, or the outside with a patch.
 class FaceLink {
  public:
   constexpr FaceLink() = default;
@@ -120,11 +120,11 @@ class TetMesh {
   /// on two cores.
   [[nodiscard]] static TetMesh build(std::span<const Vec3> points, std::span<const Cell<4>> tets,
                                      std::span<const Label> labels, const PatchTable& patches, MeshInfo info);
-  /// As above, with the patches chosen by a function.
+  /// A mesh as above, with the patches chosen by a function.
   [[nodiscard]] static TetMesh build(std::span<const Vec3> points, std::span<const Cell<4>> tets,
                                      std::span<const Label> labels, const PatchChooser& patches,
                                      MeshInfo info);
-  /// As above, with one patch per pair of labels that meet: "wall" (several labels: "wall_L"),
+  /// A mesh as above, with one patch per pair of labels that meet: "wall" (several labels: "wall_L"),
   /// "interface_A_B". They replace info.patches.
   [[nodiscard]] static TetMesh build(std::span<const Vec3> points, std::span<const Cell<4>> tets,
                                      std::span<const Label> labels, MeshInfo info = {});
@@ -177,7 +177,7 @@ class TetMesh {
     metric_[v.value] = metric;
     log_metric_[v.value] = log_metric;
   }
-  /// Where in the background mesh of its metric a vertex was last found; the field's business, not checked.
+  /// The tetrahedron of its metric's background in which a vertex was last found; not checked.
   [[nodiscard]] TetId metric_hint(VertexId v) const { return metric_hints_[v.value]; }
   void set_metric_hint(VertexId v, TetId hint) { metric_hints_[v.value] = hint; }
   /// When something around v changed last, and when operators last failed on t, in epochs that an
@@ -277,7 +277,7 @@ class TetMesh {
   /// A view without copies, and without boundary triangles. Needs is_compact(). It ends with the mesh or its
   /// next change.
   [[nodiscard]] MeshView view() const;
-  /// The same with the triangles of `faces`, which must live as long as the view.
+  /// A view with the triangles of `faces`, which must live as long as the view.
   [[nodiscard]] MeshView view(const BoundaryFaces& faces) const;
 
   [[nodiscard]] const MeshInfo& info() const { return info_; }

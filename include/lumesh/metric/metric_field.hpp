@@ -31,7 +31,7 @@ enum class AnalyticKind : std::uint8_t { kLinear, kPolar1, kPolar2 };
 /// log-Euclidean. Threads: const members may run at the same time.
 class MetricField {
  public:
-  /// Where a search begins and where it ended: a tetrahedron of the background, unused by formulas.
+  /// Start of a search, and its end: a tetrahedron of the background, unused by formulas.
   using Hint = TetId;
 
   [[nodiscard]] static MetricField analytic(AnalyticKind kind, double size_factor = 1);

@@ -23,7 +23,7 @@ struct MetricLimits {
   double growth = 0;            ///< GradationOptions::growth; 0: sizes grow as they do.
   bool keeps_boundary = false;  ///< Near the boundary, sizes along it go over to those of its own triangles,
                                 ///< as a boundary that is not adapted wants it; before all bounds.
-  std::vector<PatchId> kept_patches = {};  ///< The same for these patches alone.
+  std::vector<PatchId> kept_patches = {};  ///< Patches along which alone that holds.
   double complexity = 0;  ///< Scale all sizes until the mesh sees it; 0: sizes stay as they are.
 
   /// Adds the options of all limits but the growth, whose default depends on the sources.
@@ -72,7 +72,7 @@ double shape_metric(TetMesh& mesh, std::span<const SymTensor> wanted, const Metr
                                                  std::vector<std::vector<SymTensor>> metrics,
                                                  double complexity);
 
-/// All sizes scaled by one factor so that the mesh sees the complexity: for sources whose sizes have no scale
+/// The sizes scaled by one factor so that the mesh sees the complexity: for sources whose sizes have no scale
 /// of their own. Bitwise identical for every thread count.
 /// @param metric      One tensor in 1/mm^2 per vertex of a compact mesh; becomes the scaled ones.
 /// @param complexity  > 0.

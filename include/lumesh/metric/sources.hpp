@@ -46,7 +46,7 @@ class SourceData {
   [[nodiscard]] virtual Flow flow(const std::string& name, const std::string& array) = 0;
   /// One value per vertex: a point array of the mesh, or a file.
   [[nodiscard]] virtual std::vector<double> solution(const std::string& name) = 0;
-  /// Whose boundary's curvature counts; null: the mesh's own.
+  /// The domain whose boundary's curvature counts; null: the mesh's own.
   [[nodiscard]] virtual std::shared_ptr<const Domain> boundary() = 0;
 };
 
@@ -122,7 +122,7 @@ concept PlaceSource = requires(const Source& source, std::span<const Vec3> place
 using MetricSources =
     std::tuple<AnalyticSource, TensorSource, PointSource, VelocitySource, HessianSource, CurvatureSource>;
 
-/// All that a metric is made of.
+/// The sources and limits that a metric is made of.
 struct MetricRequest {
   MetricSources sources;
   std::optional<double> gradation;  ///< MetricLimits::growth; none: of sources that need it.

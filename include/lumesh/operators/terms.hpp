@@ -69,7 +69,7 @@ struct OperatorCount {
   }
 };
 
-/// What an operator is counted as.
+/// The counter of an operator.
 enum class OperatorId : std::uint8_t { kInsertion, kCollapse, kEdgeRemoval, kFaceRemoval, kSmoothing };
 
 struct OperatorName {

@@ -54,7 +54,7 @@ struct OutputKeys {
   std::string surface;
   std::string unit = "mm";  ///< Unit of lengths in meshes.
   std::string report = "report.html", json = "report.json";
-  bool stages = false;  ///< Also files of the first mesh and the centerline.
+  bool stages = false;  ///< Files, too, of the first mesh and the centerline.
 
   void describe(OptionList& list);
 };
@@ -89,7 +89,7 @@ struct Case {
   [[nodiscard]] bool makes_mixed_mesh() const { return mesher == Mesher::kLattice && lattice.mixed; }
   /// The lattice's options with the edge length and the cells of the case.
   [[nodiscard]] LatticeOptions lattice_options() const;
-  /// The same for the Delaunay mesher, with the execution of adapt.
+  /// The request for the Delaunay mesher, with the execution of adapt.
   [[nodiscard]] DelaunayRequest delaunay_request() const;
   [[nodiscard]] bool needs_centerline() const;
 };
@@ -112,7 +112,7 @@ struct CaseSection {
   OptionList options;
 };
 
-/// All sections of a case, in the order in which they are written. @param c  Lives longer: the options point
+/// The sections of a case, in the order in which they are written. @param c  Lives longer: the options point
 /// into it.
 [[nodiscard]] std::vector<CaseSection> sections_of(Case& c);
 

@@ -13,7 +13,7 @@ namespace lumesh {
 
 struct CaseResult {
   report::CaseReport report;
-  std::string folder;                     ///< Where the files are.
+  std::string folder;                     ///< Folder of the files.
   std::vector<std::string> faults;        ///< Faults of the mesh that was written (quality::find_faults()).
   std::vector<std::string> without_name;  ///< A line for each name of the case whose patch the mesh lacks.
   bool complete = true;  ///< False if the context was cancelled: files hold the best mesh so far.

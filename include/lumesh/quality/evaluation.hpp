@@ -62,9 +62,10 @@ struct ImageEvaluation {
 
 struct Evaluation {
   MeshInfo info;
-  std::vector<std::string> warnings;  ///< What makes figures doubtful or leaves some out; a caller may add.
+  std::vector<std::string>
+      warnings;  ///< Reasons that make figures doubtful or leave some out; a caller may add.
   std::size_t cut_planes = 0;
-  std::vector<std::string> problems;  ///< What makes the mesh invalid, the first ones; empty if valid.
+  std::vector<std::string> problems;  ///< Faults that make the mesh invalid, the first ones; empty if valid.
   std::uint64_t problem_count = 0;
   MeshStatistics statistics;
   bool has_metric = false;                 ///< The mesh carries a metric and has tetrahedra.
@@ -85,7 +86,7 @@ struct Evaluation {
   /// Differences of the labels' topology from their voxels', in words; empty with cuts, which voxels do
   /// not know of.
   std::vector<std::string> topology_differences;
-  std::vector<TopologyPlace> topology_places;  ///< Where that is.
+  std::vector<TopologyPlace> topology_places;  ///< Places of that.
   std::optional<double> reference_voxel_mm;    ///< Voxel size of the phantom, if there is one.
 
   [[nodiscard]] bool valid() const { return problem_count == 0; }

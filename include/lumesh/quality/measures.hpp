@@ -40,7 +40,7 @@ struct TetrahedronStatistics {
   Extreme smallest_dihedral_deg;
   Extreme largest_dihedral_deg;
   double mean_smallest_dihedral_deg = 0;  ///< Mean over the tetrahedra of each one's smallest angle.
-  Histogram dihedral_deg;                 ///< All six angles of each; 180 bins over [0, 180].
+  Histogram dihedral_deg;                 ///< The six angles of each; 180 bins over [0, 180].
   std::uint64_t below_5_deg = 0;          ///< Tetrahedra with an angle below 5 degrees; and so on.
   std::uint64_t below_10_deg = 0;
   std::uint64_t below_15_deg = 0;
@@ -168,7 +168,7 @@ struct PatchSummary {
   double flatness_mm = 0;  ///< Largest distance of a vertex to the best plane (meaningful for openings).
 };
 
-/// All weighted by area.
+/// Measures weighted by area.
 struct CurvatureSummary {
   std::uint64_t vertices = 0;  ///< With a curvature.
   double root_mean_square_per_mm = 0;
@@ -183,7 +183,7 @@ struct DistanceSummary {
   double mean = 0;  ///< Weighted by area.
   double p95 = 0;   ///< 95 % of the area is nearer.
   std::uint64_t samples = 0;
-  Vec3 worst_mm = Vec3::Zero();  ///< Where the maximum is.
+  Vec3 worst_mm = Vec3::Zero();  ///< Place of the maximum.
 };
 
 /// Distances of one label, or of the union of all.

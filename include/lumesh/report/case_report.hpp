@@ -69,7 +69,7 @@ struct StageReport {
 
 /// A file that the run wrote.
 struct OutputFile {
-  std::string path;  ///< As a reader of the report finds it, best relative to the report.
+  std::string path;  ///< Path by which a reader of the report finds it, best relative to the report.
   std::string what;  ///< "The adapted mesh with its metric".
 };
 
@@ -90,8 +90,8 @@ struct CaseReport {
 /// pictures, about 0.1 s each.
 [[nodiscard]] std::string case_report_html(const CaseReport& report);
 
-/// The same without pictures as JSON; docs/stages/evaluate.md describes the fields. Numbers that are infinite
-/// become null.
+/// The report without pictures as JSON; docs/stages/evaluate.md describes the fields. Numbers that are
+/// infinite become null.
 [[nodiscard]] std::string case_report_json(const CaseReport& report);
 
 }  // namespace lumesh::report

@@ -66,7 +66,7 @@ struct CutPicture {
   Picture picture;
   Vec3 point_mm = Vec3::Zero();  ///< On the plane, in the middle of the picture.
   Vec3 normal = Vec3::UnitZ();   ///< Points to the viewer.
-  double width_mm = 0;           ///< What the picture shows from left to right.
+  double width_mm = 0;           ///< Width of what the picture shows.
   std::uint64_t cells = 0;       ///< Cells cut, in the picture or beside it.
   ColourScale scale;
 };

@@ -16,10 +16,10 @@
 namespace lumesh {
 
 struct CheckReport {
-  std::string what;                                  ///< What the file holds: "surface", "mesh" or "image".
+  std::string what;                                  ///< Kind of the file: "surface", "mesh" or "image".
   std::string size;                                  ///< In words: "6532 triangles, 3268 points".
   std::vector<Finding> findings;                     ///< Faults first.
-  std::variant<MixedMesh, LabelImage> checked = {};  ///< What was looked at, in mm (LPS); for pictures.
+  std::variant<MixedMesh, LabelImage> checked = {};  ///< The file's content, in mm (LPS); for pictures.
 
   /// Whether it can be meshed, or computed on, as it is.
   [[nodiscard]] bool is_fit() const;

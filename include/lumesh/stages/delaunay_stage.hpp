@@ -48,7 +48,7 @@ struct SizeRequest {
 /// Edges along the diameter of vessels, an option of both meshers.
 void describe_cells_per_diameter(OptionList& list, double& cells);
 
-/// What the request names, once its files are read.
+/// Data that the request names, once its files are read.
 class SizeData {
  public:
   /// @throws Error that names option or file, before anything large is read.

@@ -32,7 +32,7 @@ struct ImageSelection {
   std::vector<Label> labels;              ///< These only; all if empty.
   std::optional<double> threshold;        ///< Voxels at or above become label 1, the rest background, …
   std::optional<double> threshold_up_to;  ///< … unless they are above this.
-  std::optional<double> below;            ///< The same for voxels at or below.
+  std::optional<double> below;            ///< Threshold for voxels at or below it.
   std::optional<LevelSetSide> level_set;  ///< Label 1 is where a level set has this sign.
   std::string probabilities;    ///< Image that places the object's boundary between voxels; empty: none.
   LabelledFiles label_images;   ///< More labels on the same grid.
@@ -40,9 +40,9 @@ struct ImageSelection {
   bool all_frames = false;      ///< Each of them, one after the other.
   std::size_t drop_below = 0;   ///< Pieces of fewer voxels become background.
   bool fill_cavities = false;   ///< Background that the labels enclose gets a label.
-  TouchChoice touching = TouchChoice::kKeep;  ///< What becomes of vessels side by side that touch.
+  TouchChoice touching = TouchChoice::kKeep;  ///< Treatment of vessels side by side that touch.
   std::string unit;                ///< Unit of lengths in the file; empty: as it says. See describe_unit().
-  bool largest_component = false;  ///< Only the largest connected piece of all labels together.
+  bool largest_component = false;  ///< The largest connected piece of all labels, alone.
 
   /// Names of the options that are not as they are by default.
   [[nodiscard]] std::vector<std::string> given() const;
@@ -69,7 +69,7 @@ struct InputCuts {
   std::vector<CutPlane> planes = {};  ///< Unbounded planes.
   std::vector<Vec3> places_mm = {};   ///< Each cuts the one vessel there, square to its axis.
   std::string ends = {};            ///< For local_length_from(): how far from each end it is cut; empty: not.
-  ExtensionOptions extension = {};  ///< Of what is left.
+  ExtensionOptions extension = {};  ///< Extension of what is left.
 
   [[nodiscard]] bool none() const { return planes.empty() && is_whole(); }
   /// True if nothing but planes, which phantoms may have too, cuts or extends.
@@ -143,7 +143,7 @@ void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 /// @throws Error{kBadInput} that names the file.
 [[nodiscard]] std::vector<Vec3> read_points_in(const MeshInfo& frame, const std::filesystem::path& path);
 
-/// The same for points with a velocity each.
+/// Points of a file with a velocity each, in that frame and unit.
 /// @param array  Name of the array; empty: "velocity", or the only one.
 [[nodiscard]] metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
                                         const std::string& array);

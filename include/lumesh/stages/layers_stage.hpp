@@ -29,7 +29,7 @@ struct LayerRequest {
   [[nodiscard]] LayerOptions with_label() const;
 };
 
-/// What a finished mesh gets at its surface: layers, extensions of its openings, or both.
+/// Additions to a finished mesh at its surface: layers, extensions of its openings, or both.
 struct LayersAndExtension {
   LayerRequest layers;
   ExtensionOptions extension;  ///< The lengths alone.
@@ -48,7 +48,7 @@ struct LayersAndExtension {
 [[nodiscard]] LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name,
                                          const LayerOptions& options, Context& context);
 
-/// The same as a request has it, whose labels are those of the mesh.
+/// The layers as a request has them, whose labels are those of the mesh.
 [[nodiscard]] LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name,
                                          const LayerRequest& request, Context& context);
 

@@ -47,7 +47,7 @@ struct Rim {
 struct ClosedRim {
   bool is_opening = false;        ///< A flat cap; else a piece of the wall.
   std::string name = {};          ///< Name of the opening, where somebody gave it one.
-  Rim given;                      ///< As it was; its vertices count no more.
+  Rim given;                      ///< The rim as it was; its vertices count no more.
   Vec3 centre_mm = Vec3::Zero();  ///< Centre of the area of the new triangles.
   Vec3 normal = Vec3::Zero();     ///< Unit, out of the object.
   double area_mm2 = 0;            ///< Area of the new triangles.
@@ -79,7 +79,7 @@ struct RepairReport {
   double widest_hole_mm = 0;            ///< Radius.
   int rounds = 0;                       ///< In which triangles that cross were replaced.
   std::uint64_t removed_triangles = 0;  ///< In those rounds.
-  std::uint64_t new_triangles = 0;      ///< All that were not given.
+  std::uint64_t new_triangles = 0;      ///< Triangles that were not given.
   std::uint64_t openings = 0;           ///< That were left open.
   std::uint64_t components = 0;
   std::int64_t genus = 0;

@@ -13,7 +13,7 @@
 
 namespace lumesh {
 
-/// What adapt() works with, and what is to be undone afterwards.
+/// The shapes and places that adapt() works with, and what is to be undone afterwards.
 class AdaptedBoundary {
  public:
   /// Cuts the patches of `mesh` at their creases and finds the shape of each.

@@ -8,7 +8,7 @@
 
 namespace lumesh {
 
-/// As std::allocator, but new items are default-initialised: numbers are left as they are.
+/// An allocator as std::allocator, but new items are default-initialised: numbers are left as they are.
 template <class Item>
 struct UninitialisedAllocator : std::allocator<Item> {
   template <class Other>

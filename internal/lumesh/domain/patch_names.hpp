@@ -24,7 +24,7 @@ struct BoundaryTriangle {
 
 struct PatchAssignment {
   std::vector<Patch> patches;
-  std::map<Label, std::string> label_names;  ///< Of the domain.
+  std::map<Label, std::string> label_names;  ///< Names of the domain.
   std::vector<std::int32_t> of_triangle;
 };
 

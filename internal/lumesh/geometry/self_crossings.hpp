@@ -16,7 +16,7 @@ struct SelfCrossing {
   Vec3 place;                   ///< Near both: the middle of what their boxes share, in the points' unit.
 };
 
-/// All pairs of triangles that cross, touch or cover each other, other than in the corners and edges that
+/// Pairs of triangles that cross, touch or cover each other, other than in the corners and edges that
 /// they share by index, ascending. Points at one place under two indices touch. Triangles without area are
 /// left out. Threads: parallel inside, the same result for every thread count. Cost: about 1 us per triangle.
 /// @throws Error{kBadInput} if a triangle names a point that is not there or has a coordinate that is not

@@ -38,7 +38,7 @@ namespace lumesh {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-/// Of the circle of an area, in the root of its unit.
+/// Radius of the circle of an area, in the root of its unit.
 [[nodiscard]] inline double circle_radius(double area) {
   return std::sqrt(area / std::numbers::pi);
 }

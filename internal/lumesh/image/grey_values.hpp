@@ -22,7 +22,7 @@ struct GreyValues {
 
   double least = std::numeric_limits<double>::infinity(), most = -least;
   std::size_t count = 0;
-  std::array<std::size_t, kBins> bins = {};  ///< Of equal width, from least to most.
+  std::array<std::size_t, kBins> bins = {};  ///< Bins of equal width, from least to most.
 
   [[nodiscard]] double bin_width() const { return (most - least) / static_cast<double>(kBins); }
   /// Threshold between darker and brighter values for which the variance between the two groups,

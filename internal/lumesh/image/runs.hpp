@@ -22,7 +22,7 @@ struct Run {
   LabelImage::Index label = 0;
 };
 
-/// All runs of an image, row by row (row = j + size.y * k), ascending in each row.
+/// Runs of an image, row by row (row = j + size.y * k), ascending in each row.
 struct RunImage {
   Index3 size = Index3::Zero();
   std::vector<Run> runs;

@@ -29,7 +29,7 @@ namespace lumesh {
 /// Which voxels may join into one component.
 enum class ComponentScope : std::uint8_t {
   kEachLabel,  ///< Voxels of the same label only.
-  kUnion,      ///< All voxels that are not background.
+  kUnion,      ///< Voxels that are not background, together.
 };
 
 struct VoxelComponent {
@@ -39,7 +39,7 @@ struct VoxelComponent {
   Index3 first = Index3::Zero();  ///< The voxel that comes first in memory.
 };
 
-/// All connected components, by label, then largest first, then by first voxel; under kUnion largest first.
+/// Connected components, by label, then largest first, then by first voxel; under kUnion largest first.
 [[nodiscard]] std::vector<VoxelComponent> voxel_components(const LabelImage& image, ComponentScope scope);
 
 /// The components of fewer than `below` voxels, in the order of voxel_components().

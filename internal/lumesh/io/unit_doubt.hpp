@@ -8,7 +8,7 @@
 
 namespace lumesh {
 
-/// What tells the unit of an image or a surface.
+/// Clues to the unit of an image or a surface.
 struct ModelSizes {
   double longest_mm = 0;            ///< Longest side of its box.
   double widest_radius_mm = 0;      ///< Radius of the widest opening; 0: not known.
@@ -18,7 +18,7 @@ struct ModelSizes {
 /// Whether a file has numbers of faces, rather than names.
 [[nodiscard]] bool has_numbered_faces(std::span<const Patch> patches);
 
-/// What to say of the unit; empty if sizes are those of vessels in mm. Warned of: a whole that is shorter
+/// A warning of the unit; empty if sizes are those of vessels in mm. Warned of: a whole that is shorter
 /// than 1 mm or longer than a body; a widest opening of less than 0.5 mm in radius, or as thin as large
 /// vessels in cm are where the whole is long; and numbered faces where the whole is shorter than 10 mm.
 [[nodiscard]] std::string unit_doubt(const ModelSizes& sizes);

@@ -45,7 +45,7 @@ class AllCells {
   explicit AllCells(const MeshView& mesh) : mesh_(mesh) {}
 
   [[nodiscard]] std::size_t size() const { return mesh_.cell_count(); }
-  /// What visit(corners, label) returns for a cell, whose corners are a Cell<4>, <5>, <6> or <8>.
+  /// The result of visit(corners, label) for a cell, whose corners are a Cell<4>, <5>, <6> or <8>.
   template <class Visit>
   auto visit(std::size_t cell, const Visit& visit) const {
     if (cell < mesh_.tetrahedra.size()) return visit(mesh_.tetrahedra[cell], mesh_.tetrahedron_labels[cell]);

@@ -43,8 +43,8 @@ inline void append_face(const FaceCorners& face, std::int32_t patch, MixedMesh& 
 
 /// One face of one cell.
 struct CellSide {
-  Cell<4> key;               ///< As key_of().
-  std::uint32_t cell, face;  ///< Of AllCells, and of faces_of_cell().
+  Cell<4> key;               ///< Key by key_of().
+  std::uint32_t cell, face;  ///< Numbers in AllCells and in faces_of_cell().
   auto operator<=>(const CellSide&) const = default;
 };
 

@@ -10,7 +10,7 @@ namespace lumesh {
 
 struct CellsCutOff {
   std::size_t removed = 0;       ///< Tetrahedra of the given mesh that lie beyond, or in part.
-  std::int32_t first_patch = 0;  ///< Of the new ones, which stand last.
+  std::int32_t first_patch = 0;  ///< First of the new ones, which stand last.
   double farthest_moved_mm = 0;  ///< Way of a vertex into the plane.
 };
 

@@ -39,7 +39,7 @@ struct PatchRenaming {
 /// not that which files that say no more than names mean by the name (kind_of_name()).
 [[nodiscard]] PatchRenaming renaming_from(std::string_view text);
 
-/// The same of several texts.
+/// Renamings of several texts.
 [[nodiscard]] std::vector<PatchRenaming> renamings_from(std::span<const std::string> texts);
 
 /// An opening that renamings may mean.

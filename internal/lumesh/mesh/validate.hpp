@@ -10,7 +10,7 @@
 
 namespace lumesh {
 
-/// What validate() counted on the way, per label.
+/// Counts of validate(), per label.
 struct LabelBoundary {
   Label label = kBackground;
   std::uint32_t tet_count = 0;
@@ -23,7 +23,7 @@ struct ValidationReport {
   static constexpr std::size_t kMaxListed = 50;
 
   std::vector<std::string> problems;  ///< One readable line each, at most kMaxListed.
-  std::size_t problem_count = 0;      ///< All of them.
+  std::size_t problem_count = 0;      ///< Number of all problems.
   std::vector<LabelBoundary> labels;  ///< By ascending label; empty if the mesh is too broken to count.
 
   [[nodiscard]] bool ok() const { return problem_count == 0; }

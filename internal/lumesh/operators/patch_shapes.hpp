@@ -66,7 +66,7 @@ std::size_t follow_image(const TetMesh& mesh, const std::shared_ptr<const ImageD
 /// the normals at its ends. 0 where no face of t with that edge belongs to a curved patch.
 [[nodiscard]] double arc_height(const TetMesh& mesh, TetId t, int i, int j, const PatchShapes& shapes);
 
-/// All patches frozen.
+/// Shapes of patches that are all frozen.
 [[nodiscard]] PatchShapes all_frozen(const TetMesh& mesh);
 
 }  // namespace lumesh::operators

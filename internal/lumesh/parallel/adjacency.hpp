@@ -74,7 +74,7 @@ template <class Cells>
       cells.size(), vertices, [&](std::size_t c) -> const auto& { return cells[c]; });
 }
 
-/// What list(owner, items) appends for each owner.
+/// Items that list(owner, items) appends for each owner.
 template <class List>
 [[nodiscard]] Adjacency collect_lists(std::size_t owners, const List& list) {
   Adjacency lists;

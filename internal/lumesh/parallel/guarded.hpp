@@ -8,7 +8,7 @@ namespace lumesh::parallel {
 template <class Value>
 class Guarded {
  public:
-  /// What use(value) returns; no other use runs meanwhile.
+  /// The result of use(value); no other use runs meanwhile.
   template <class Use>
   decltype(auto) with(const Use& use) {
     const std::lock_guard lock(mutex_);

@@ -40,7 +40,7 @@ class IdleThreads {
  private:
   static constexpr int kBits = 64;
   struct Node {
-    std::vector<int> by_distance;      ///< All nodes, this one first.
+    std::vector<int> by_distance;      ///< Every node, this one first.
     std::vector<std::uint64_t> masks;  ///< Bit i of word w: thread 64 w + i idles, and is of this node.
     int idle = 0;
   };

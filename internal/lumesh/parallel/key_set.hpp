@@ -110,7 +110,7 @@ class KeySet {
    public:
     explicit Lookup(const KeySet& set) : set_(set) { recent_.fill({kEmpty, 0}); }
 
-    /// As KeySet::find().
+    /// The place by KeySet::find().
     [[nodiscard]] std::size_t find(std::uint64_t key) {
       const std::size_t start = hash(key);
       Recent& recent = recent_[start % kRecent];
@@ -142,7 +142,7 @@ class KeySet {
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t slot_count() const { return slots_.size(); }
 
-  /// All keys, ascending.
+  /// Keys, ascending.
   [[nodiscard]] std::vector<std::uint64_t> sorted_keys() const {
     std::vector<std::uint64_t> keys = collect<std::uint64_t>(slots_.size(), [&](std::size_t i, auto& out) {
       const std::uint64_t key = slots_[i].load(std::memory_order_relaxed);

@@ -59,7 +59,7 @@ class KeyTable {
   void for_each_run(const Same& same, const Visit& visit) const {
     parallel::for_each_run(std::span<const Item>(items_), same, visit);
   }
-  /// What visit(run, out) appends to a list for each run, in order; keys run in parallel.
+  /// Items that visit(run, out) appends to a list for each run, in order; keys run in parallel.
   template <class Out, class Same, class Visit>
   [[nodiscard]] std::vector<Out> collect_runs(const Same& same, const Visit& visit) const {
     return collect<Out>(key_count(), [&](std::size_t key, std::vector<Out>& out) {

@@ -90,7 +90,7 @@ void sort(Iterator begin, Iterator end, Less less = {}) {
   check_cancelled();
 }
 
-/// As lumesh::sort_unique().
+/// Sorts and drops repeats, as lumesh::sort_unique().
 template <class Items, class... Less>
 void sort_unique(Items& items, const Less&... less) {
   parallel::sort(items.begin(), items.end(), less...);
@@ -110,7 +110,7 @@ inline void raise(std::uint8_t& flag) {
   std::atomic_ref(flag).store(1, std::memory_order_relaxed);
 }
 
-/// What append(begin, end, out) appends for each fixed block of [0, count).
+/// Items that append(begin, end, out) appends for each fixed block of [0, count).
 template <class Item, class Append>
 [[nodiscard]] std::vector<std::vector<Item>> collect_parts(std::size_t count, std::size_t block,
                                                            const Append& append) {

@@ -13,7 +13,7 @@ namespace lumesh::quality {
 /// A kind of fault in one readable line, with how often and a place.
 struct MeshFault {
   std::string text;
-  std::optional<Vec3> place = {};  ///< The same place, where there is one; finite.
+  std::optional<Vec3> place = {};  ///< Place of the fault, where there is one; finite.
 };
 
 /// One fault of each kind; empty if there is none:

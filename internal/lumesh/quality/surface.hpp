@@ -16,7 +16,7 @@ namespace lumesh::quality {
 /// The "label" on the far side of faces that have only one cell.
 inline constexpr Label kOutside = std::numeric_limits<Label>::min();
 
-/// All faces between cells of different labels or with one cell only, as triangles (quadrilaterals are cut).
+/// Faces between cells of different labels or with one cell only, as triangles (quadrilaterals are cut).
 struct MeshSurface {
   std::vector<Cell<3>> triangles;            ///< Pointing out of a cell of the first label.
   std::vector<std::array<Label, 2>> labels;  ///< Per triangle: inside, and the other side or kOutside.

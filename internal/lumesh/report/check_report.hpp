@@ -30,13 +30,13 @@ struct CloseUp {
 
 /// Where a finding is; without pixels if it has no places.
 struct FindingPictures {
-  SurfacePicture overview;   ///< All of the file, with a numbered ring around each place.
+  SurfacePicture overview;   ///< The whole file, with a numbered ring around each place.
   bool from_behind = false;  ///< The overview is seen from the side opposite to the usual one.
   CloseUp close_up;          ///< The first place.
 };
 
 struct CheckPictures {
-  SurfacePicture whole;  ///< Where no finding has a place; else without pixels.
+  SurfacePicture whole;  ///< The file where no finding has a place; else without pixels.
   std::vector<FindingPictures> of_findings;
 };
 

@@ -16,7 +16,7 @@ inline constexpr const char *kMeshWords = "the mesh, with labels and patches",
 /// Part of the JSON of every command that makes or changes something.
 struct CommandNotes {
   std::vector<OutputFile> files;      ///< Files written; one without a path was not wanted.
-  std::vector<std::string> warnings;  ///< As they were said.
+  std::vector<std::string> warnings;  ///< Texts as they were said.
   double seconds = 0;                 ///< Wall time of the command so far.
   std::vector<PhaseTime> phases;      ///< Its steps.
 };

@@ -27,7 +27,7 @@ struct LinesOptions {
   double thickness_pixels = 9;  ///< Thickness of the lines.
   std::string scalar =
       {};  ///< Name in Polylines::scalars, such as "radius"; empty, or not there: a colour per line.
-  std::string scalar_name = {};  ///< What the scale says: "radius, mm".
+  std::string scalar_name = {};  ///< Title of the scale: "radius, mm".
 };
 
 /// The surface as through frosted glass with lines inside it, such as centerlines: each line has a colour of

@@ -16,7 +16,7 @@ struct DescriptionRequest {
 
 struct FileDescription {
   std::string json;
-  std::string text;  ///< The same as lines.
+  std::string text;  ///< The description as lines.
 };
 
 /// Reads a file and describes it. Warns of what is left out, such as openings of noise.

@@ -21,8 +21,8 @@ struct CenterlineRequest {
 
 struct CenterlineMade {
   Polylines lines;
-  std::map<std::string, std::string> provenance;  ///< Of a mesh.
-  std::vector<surfaces::ClosedRim> closed;        ///< What was closed of a surface.
+  std::map<std::string, std::string> provenance;  ///< Notes of a mesh.
+  std::vector<surfaces::ClosedRim> closed;        ///< Rims closed of a surface.
 };
 
 /// @throws Error{kBadInput} that names the file.

@@ -33,7 +33,7 @@ struct RenamingRequest {
 
 struct RenamedMesh {
   MixedMesh mesh;
-  std::vector<PatchRenaming> renamings;  ///< As they were done, each with its patch.
+  std::vector<PatchRenaming> renamings;  ///< Renamings as they were done, each with its patch.
 };
 
 /// @throws Error{kBadInput} that names the file, as with_patches() and rename_patches().

@@ -25,7 +25,7 @@ struct DomainInput {
   bool is_surface = false;  ///< Else an image.
   ImageSelection selection;
   InputCuts cuts;
-  LabelFieldOptions field;  ///< Of an image.
+  LabelFieldOptions field;  ///< Options of an image.
   SurfaceInputOptions surface;
 };
 
@@ -72,13 +72,13 @@ class DomainRead {
   /// Frees the voxels of an image, whose domain and shape are kept. Only these can be asked for then.
   void drop_image();
 
-  /// What was closed of a surface.
+  /// Rims closed of a surface.
   [[nodiscard]] std::span<const surfaces::ClosedRim> closed() const;
 
-  std::string name;                       ///< Of what is meshed: the path, unless it is none.
+  std::string name;                       ///< Name of what is meshed: the path, unless it is none.
   std::optional<LabelImage> image;        ///< Without what is cut off.
-  std::vector<CutPlane> cut_planes = {};  ///< Of the image.
-  std::optional<SurfaceInput> surface;    ///< Where there is no image.
+  std::vector<CutPlane> cut_planes = {};  ///< Planes that cut the image.
+  std::optional<SurfaceInput> surface;    ///< The surface, where there is no image.
   /// The domain of the image, once it was asked for.
   [[nodiscard]] const ImageDomain* image_domain() const { return image_domain_.get(); }
 

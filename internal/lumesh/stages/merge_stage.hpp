@@ -12,7 +12,7 @@ namespace lumesh {
 
 struct MergedFiles {
   MergeResult result;
-  std::map<std::string, std::string> provenance;  ///< Of the first mesh.
+  std::map<std::string, std::string> provenance;  ///< Notes of the first mesh.
 };
 
 /// Reads meshes and merges them, as merge_meshes(), in the unit and frame of the first.

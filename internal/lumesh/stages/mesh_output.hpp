@@ -29,7 +29,7 @@ void describe_surface_output(OptionList& list, std::string& path);
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,
                    const std::string& besides = "", const MeshView* made_from = nullptr);
 
-/// The same as warnings, of a mesh that is handed on as it is.
+/// Warnings of such faults, of a mesh that is handed on as it is.
 void warn_of_faults(const std::string& path, const MeshView& mesh, const Context& context);
 
 }  // namespace lumesh

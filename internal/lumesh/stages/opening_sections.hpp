@@ -13,7 +13,7 @@ namespace lumesh {
 /// Connected voxel faces of one label on one side of the image.
 struct BorderSection {
   Label label = kBackground;
-  std::vector<Vec3> centres_mm;  ///< Of the faces.
+  std::vector<Vec3> centres_mm;  ///< Centres of the faces.
   double face_mm2 = 0;
   Vec3 normal = Vec3::UnitX();  ///< Out of the image.
 
@@ -24,7 +24,7 @@ struct BorderSection {
   [[nodiscard]] bool is_wide() const { return centres_mm.size() >= 8; }
 };
 
-/// All sections but what lies beyond cuts. Cost: linear in the faces of the border.
+/// Sections, without what lies beyond cuts. Cost: linear in the faces of the border.
 [[nodiscard]] std::vector<BorderSection> border_sections(const LabelImage& image,
                                                          std::span<const CutPlane> cuts);
 
