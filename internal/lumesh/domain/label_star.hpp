@@ -165,7 +165,7 @@ class LabelStar {
   LocalMap<std::uint32_t, std::uint32_t> numbers_;
 };
 
-/// Of `count` vertices, vertex(i) each, those around which the boundary of a label is not a manifold.
+/// Vertices, of vertex(i) for each i below `count`, around which the boundary of a label is not a manifold.
 /// Parallel, in the order of i.
 template <LabelledTets Tets, class VertexOf>
 [[nodiscard]] std::vector<std::uint32_t> non_manifold_among(const Tets& tets, std::size_t count,

@@ -143,7 +143,7 @@ class ManifoldRepair {
     probe_.gather(v);
     return !probe_.is_manifold();
   }
-  /// The same before any change is tried.
+  /// Answer of is_bad() before any change is tried.
   [[nodiscard]] bool was_bad(std::uint32_t v) {
     const auto known = was_bad_.insert(v, 0);
     if (known.added) known.value = is_bad(v) ? 1 : 0;

@@ -45,7 +45,7 @@ class DomainRead {
   [[nodiscard]] const std::shared_ptr<const ImageDomain>& domain_of_image();
   [[nodiscard]] const SurfaceDomain& domain_of_surface();
   [[nodiscard]] const std::vector<Opening>& openings();
-  /// The same before they were extended, where the extensions begin; none where none was. Known once the
+  /// Openings before they were extended, where the extensions begin; none where none was. Known once the
   /// domain was asked for.
   [[nodiscard]] std::span<const Opening> beginnings() const;
   /// Axes of the vessels.
