@@ -34,7 +34,8 @@ void run(const LayersCommand& command) {
   const OwnPoints own(input);
   const MeshView before = input.view();
   report::LayeredMesh made = report::layer_mesh(input, from, command.request, context);
-  auto& [mesh, layers] = made;
+  MixedMesh& mesh = made.mesh;
+  const auto& layers = made.layers;
   mesh.info.provenance = provenance_of(command.run.making(), from, input.info.provenance);
   own.bring_back(mesh);
   write_results(context, [&] { write_mesh(to, mesh.view()); });

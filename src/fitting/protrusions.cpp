@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "boundary_tree.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"

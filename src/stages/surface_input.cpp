@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"

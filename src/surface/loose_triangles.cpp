@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/surface/edges.hpp"
 
@@ -14,9 +15,8 @@ bool is_disc_without_inner_vertex(const TriangleMesh& surface, const std::vector
   std::vector<std::uint32_t> vertices;
   for (const std::uint32_t t : part)
     vertices.insert(vertices.end(), surface.triangles[t].begin(), surface.triangles[t].end());
-  std::ranges::sort(vertices);
-  const auto others = std::ranges::unique(vertices);
-  return vertices.size() - others.size() == part.size() + 2;
+  sort_unique(vertices);
+  return vertices.size() == part.size() + 2;
 }
 
 }  // namespace

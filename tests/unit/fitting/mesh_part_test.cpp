@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "../src/fitting/boundary_tree.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "unit/lattice/lattice_blocks.hpp"
 
