@@ -164,8 +164,8 @@ DelaunayReport report_on(const AllSeeds& seeds) {
 
 /// Labels changed where the boundary would not be a manifold, flat at cuts, or within bounds.
 /// @return The number of vertices at which it was pinched.
-std::size_t relabelled(TetMesh& mesh, const Domain& domain, std::vector<VertexId> pinched) {
-  const std::size_t count = delaunay::relabel_pinched(mesh, domain, std::move(pinched));
+std::size_t relabelled(TetMesh& mesh, const Domain& domain, const std::vector<VertexId>& pinched) {
+  const std::size_t count = delaunay::relabel_pinched(mesh, domain, pinched);
   delaunay::relabel_at_cuts(mesh, domain);
   delaunay::relabel_crossed_rims(mesh, domain);
   delaunay::relabel_flat(mesh, domain);
