@@ -66,6 +66,11 @@ bool is_one_fan(std::span<const FanFace> faces) {
   }
 }
 
+void sort_by_place(const TetMesh& mesh, std::vector<VertexId>& vertices) {
+  parallel::sort(vertices.begin(), vertices.end(),
+                 [&](VertexId a, VertexId b) { return precedes(mesh.point(a), mesh.point(b)); });
+}
+
 }  // namespace
 
 std::vector<VertexId> pinched_vertices(const TetMesh& mesh, const Domain& domain) {
@@ -83,8 +88,7 @@ std::vector<VertexId> pinched_vertices(const TetMesh& mesh, const Domain& domain
       out.emplace_back(fans[begin].vertex);
   });
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  parallel::sort(found.begin(), found.end(),
-                 [&](VertexId a, VertexId b) { return precedes(mesh.point(a), mesh.point(b)); });
+  sort_by_place(mesh, found);
   return found;
 }
 
@@ -94,8 +98,7 @@ std::vector<VertexId> pinched_among(const TetMesh& mesh, const Domain& domain,
                                         [&](std::size_t i) { return suspects[i].value; });
   std::vector<VertexId> pinched;
   for (const std::uint32_t v : found) pinched.emplace_back(v);
-  parallel::sort(pinched.begin(), pinched.end(),
-                 [&](VertexId a, VertexId b) { return precedes(mesh.point(a), mesh.point(b)); });
+  sort_by_place(mesh, pinched);
   return pinched;
 }
 

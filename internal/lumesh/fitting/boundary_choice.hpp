@@ -1,7 +1,6 @@
 #pragma once
 /// @file The choice of the boundary: tetrahedra change their material until every label's boundary is a
-/// manifold
-// surface without exposed single tetrahedra and pits, so that it can be fitted to the image.
+/// manifold surface without exposed single tetrahedra and pits, so that it can be fitted to the image.
 
 #include "lumesh/fitting/work_mesh.hpp"
 
