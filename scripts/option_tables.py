@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
-"""Writes the tables of options in docs/ from the program's own list (lumesh options --json), or checks that they agree.
+"""Writes the tables of options in docs/, and that of formats in README.md, from the program's own list (lumesh options --json), or
+checks that they agree.
 
 A table stands between the lines `<!-- options SECTION -->`, or `<!-- options SECTION from NAME to NAME -->` for a part of it, and
 `<!-- end of options -->`: with the flags of the command line, or, in docs/stages/run.md, with the keys of case files.
 
---check also looks whether each flag of `lumesh COMMAND --help` stands on docs/stages/COMMAND.md or on docs/options.md, to which the
+The table of formats stands between `<!-- formats -->` and `<!-- end of formats -->`.
+
+--check also looks whether the tables of formats in docs/stages have all of the program's, and whether each list of file names' endings in
+a row of options is that of a use of files (`FORMAT_TABLES`, `faults_of_lists()`); and whether each flag of `lumesh COMMAND --help` stands on docs/stages/COMMAND.md or on docs/options.md, to which the
 page links then; whether each flag at the beginning of a row of that page's options is one of the command; and whether a file that may be
 left out (`--json [FILE]`) is written so.
 
@@ -22,6 +26,15 @@ from sources import ROOT
 BLOCK = re.compile(r"(<!-- options (\w+)(?: from (\w+) to (\w+))? -->\n).*?(<!-- end of options -->)", re.DOTALL)
 COMMON = "docs/options.md"  # Options of many commands, once for all of them.
 FLAG = re.compile(r"(?<![\w-])--?[a-z][\w-]*")
+FORMATS = re.compile(r"(<!-- formats -->\n).*?(<!-- end of formats -->)", re.DOTALL)
+ENDINGS = re.compile(r"`\.[a-z0-9.]+`(?:, `\.[a-z0-9.]+`)+")
+# Tables of formats: page, how the head begins, uses whose formats stand in the first cells.
+FORMAT_TABLES = (
+    ("docs/stages/convert.md", "| File | Read | Written | Labels |", ("read", "write")),
+    ("docs/stages/convert.md", "| File | Read | Written |\n", ("carry metric", "metric alone")),
+    ("docs/stages/info.md", "| File | Read by |", ("read image",)),
+)
+NOT_OPTIONS = "formats"  # The key of the program's list that is no section.
 OF_HELP = re.compile(r"^  (-[\w,-]+)(.*)$", re.MULTILINE)
 
 
@@ -44,6 +57,58 @@ def row_of_key(option):
     names = f"`{option['name']}`" + "".join(f", `{alias}`" for alias in option["aliases"] if len(alias) > 1)
     zero = f"; 0: {option['zero']}" if "zero" in option and option["zero"] != option["default"] else ""
     return f"| {names} | {cell(values_of(option))} | {cell(option['default'])} | {cell(option['meaning'] + zero)} |"
+
+
+def without(names, others):
+    return [name for name in names if name not in others]
+
+
+def format_table(formats):
+    """Rows of README.md: what is read and what is written."""
+    surfaces = without(formats["read"], formats["read volume"])
+    rows = [("images", formats["read image"], formats["write image"]), ("meshes", formats["read volume"], formats["write volume"]),
+            ("surfaces", surfaces, formats["write surface"]), ("metrics", formats["metric alone"], formats["metric alone"]),
+            ("metrics and sizes in meshes", formats["carry metric"], formats["carry metric"]),
+            ("points", [*without(formats["points"], formats["read"]), "meshes", "surfaces"], []),
+            ("velocities at points", formats["point data"], []), ("lines", formats["lines"], formats["lines"])]
+    return "| | read | write |\n| --- | --- | --- |\n" + "".join(f"| {kind} | {', '.join(read)} | {', '.join(write) or '–'} |\n"
+                                                               for kind, read, write in rows)
+
+
+def ending_of(name):
+    """`.foam` for ".foam for OpenFOAM", `NAME-mesh-complete` for the folder."""
+    ending = re.search(r"\.\S+|NAME-\S+", name)
+    return ending[0] if ending else name
+
+
+def faults_of_format_table(name, text, head, wanted):
+    """First cells that are not the formats of a use."""
+    rows = re.search(re.escape(head) + r"(?:.*\n)?\|[-|]+\n((?:\|.*\n)*)", text)
+    cells = re.findall(r"^\|(.*?)\|", rows[1] if rows else "", re.MULTILINE)
+    found = {word for cell in cells for word in re.findall(r"`([^`]*)`", cell)}
+    wanted = {ending_of(format_name) for format_name in wanted}
+    packed = {f"{ending}.gz" for ending in wanted}  # Go without saying.
+    wanted = {ending for ending in wanted - packed if "." in ending or "-" in ending}
+    for ending in sorted(wanted - found): yield f"{name}: its table of formats has no row of {ending}"
+    for ending in sorted(found - wanted - packed): yield f"{name}: its table of formats has a row of {ending}, which is none"
+
+
+def faults_of_lists(name, text, formats):
+    """Lists of endings in rows of options that are not those of a use of files."""
+    lists = [*formats.values(), without(formats["read"], formats["read volume"])]
+    known = {tuple(ending for ending in map(ending_of, names) if ending.startswith(".")) for names in lists}
+    known |= {tuple(ending for ending in endings if ending.removesuffix(".gz") == ending) for endings in known}
+    for row in re.findall(r"^\| `(?:-|FROM|MESH).*", text, re.MULTILINE):
+        for found in ENDINGS.findall(row):
+            if tuple(re.findall(r"`([^`]*)`", found)) not in known: yield f"{name}: {found} are the formats of no use of files"
+
+
+def faults_of_formats(formats):
+    for name, head, uses in FORMAT_TABLES:
+        text = (ROOT / name).read_text(encoding="utf-8")
+        yield from faults_of_format_table(name, text, head, [one for use in uses for one in formats[use]])
+    for page in sorted((ROOT / "docs/stages").glob("*.md")):
+        yield from faults_of_lists(f"docs/stages/{page.name}", page.read_text(encoding="utf-8"), formats)
 
 
 def table_of(options, is_case):
@@ -98,8 +163,9 @@ def main():
     arguments = parser.parse_args()
     sections = json.loads(subprocess.run([arguments.program, "options", "--json"], check=True, capture_output=True,
                                          text=True).stdout)
+    formats = sections.pop(NOT_OPTIONS)
     seen, stale = set(), []
-    for page in sorted((ROOT / "docs").rglob("*.md")):
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         is_case = page.name == "run.md"
 
         def table(match, is_case=is_case):
@@ -107,17 +173,17 @@ def main():
             return match[1] + table_of(part_of(sections[match[2]], match[3], match[4]), is_case) + match[5]
 
         text = page.read_text(encoding="utf-8")
-        wanted = BLOCK.sub(table, text)
+        wanted = FORMATS.sub(lambda match: match[1] + format_table(formats) + match[2], BLOCK.sub(table, text))
         if wanted != text:
             stale.append(page.relative_to(ROOT).as_posix())
             if not arguments.check:
                 page.write_text(wanted, encoding="utf-8")
     missing = [name for name in sections if (name, True) not in seen and name not in ("improve", "repair", "phantom", "convert", "merge")]  # no sections of a case
     for page in stale if arguments.check else []:
-        print(f"{page}: its tables of options differ from the program's; run scripts/option_tables.py")
+        print(f"{page}: its tables differ from the program's; run scripts/option_tables.py")
     for name in missing:
         print(f"docs/stages/run.md: has no table of options {name}")
-    faults = list(faults_of_pages(arguments.program)) if arguments.check else []
+    faults = [*faults_of_pages(arguments.program), *faults_of_formats(formats)] if arguments.check else []
     print("".join(f"{fault}\n" for fault in faults), end="")
     return 1 if missing or faults or (stale and arguments.check) else 0
 

@@ -28,8 +28,8 @@ void run(AdaptCommand command) {
   MeshAdaptationRequest& request = command.request;
   std::string &output_path = command.output_path, &metric_path = command.metric_output_path;
   request.validate();
-  check_volume_output(output_path);
-  check_metric_output("--metric-output", metric_path);
+  check_format(output_path, FileUse::kWriteVolume);
+  check_format(metric_path, FileUse::kMetricAlone);
   check_output_folders({output_path, metric_path, command.json_path});
   check_inputs_stay({metric_path, command.json_path},
                     {command.mesh_path, request.tensors.file, request.image});
@@ -60,14 +60,14 @@ void add_adapt_command(CLI::App& program) {
   add_mesh_argument(*sub, command->mesh_path);
   add_mesh_output(*sub, command->output_path);
   sub->add_option("--metric-output", command->metric_output_path,
-                  "Write the metric of the adapted mesh (.sol, .solb) beside meshes that carry none");
+                  with_formats("Write the adapted metric beside meshes without", FileUse::kMetricAlone));
   MeshAdaptationRequest& request = command->request;
   OptionList metric;
   request.describe_metric(metric);
   add_options(*sub, metric);
   add_keep_option(*sub, request.keep);
   sub->add_option("--image", request.image,
-                  std::string("Image that the mesh was made of ") + kImageFormats +
+                  with_formats("Image that the mesh was made of", FileUse::kReadImage) +
                       ": the surface follows its boundary instead of the mesh's own surface");
   add_options(*sub, options_of(request.selection), "", {"all_frames"});
   add_options_of(*sub, request.cuts);

@@ -25,7 +25,7 @@ struct CenterlineCommand {
 /// Refuses before work what could not be done.
 void check(CenterlineCommand& command) {
   CenterlineRequest& request = command.request;
-  check_lines_file(command.output_path);
+  check_format(command.output_path, FileUse::kLines);
   const CLI::App& given = *command.run.command;
   if (is_mesh_file(request.path)) {
     require_not_given(given, options_of(request.selection),
@@ -61,10 +61,11 @@ void add_centerline_command(CLI::App& program) {
   CenterlineRequest& request = command->request;
   CLI::App* sub = program.add_subcommand("centerline", "Find the axes of vessels and their radii");
   sub->add_option("input", request.path,
-                  std::string("Label image ") + kImageFormats + ", or mesh of the volume or its surface (" +
-                      formats_for(MeshUse::kRead) + ")")
+                  with_formats("Label image", FileUse::kReadImage) +
+                      with_formats(", or mesh of the volume or its surface", FileUse::kRead))
       ->required();
-  sub->add_option("-o,--output", command->output_path, "Lines to write, with radius and branch (.vtp)")
+  sub->add_option("-o,--output", command->output_path,
+                  with_formats("Lines to write, with radius and branch", FileUse::kLines))
       ->required();
   add_options_of(*sub, request.options);
   add_options(*sub, options_of(request.selection), "", {"probabilities"});

@@ -50,7 +50,7 @@ void add_check_command(CLI::App& program) {
   const auto command = std::make_shared<CheckCommand>();
   CLI::App* sub = program.add_subcommand(
       "check", "Find faults and thin places of a surface, a mesh or an image, with places and remedies");
-  sub->add_option("file", command->path, std::string("Surface, mesh or label image ") + kImageFormats)
+  sub->add_option("file", command->path, with_formats("Surface, mesh or label image", FileUse::kReadImage))
       ->required();
   OptionList selection = options_of(command->selection);
   describe_unit(selection, command->selection.unit);

@@ -160,13 +160,16 @@ void print_warning(std::string_view text) {
   print_error("lumesh: warning: {}\n", text);
 }
 
+std::string with_formats(const std::string& text, FileUse use) {
+  return text + " (" + formats_for(use) + ")";
+}
+
 void add_mesh_argument(CLI::App& command, std::string& path, const std::string& name) {
-  command.add_option(name, path, "Mesh to read (" + formats_for(MeshUse::kReadVolume) + ")")->required();
+  command.add_option(name, path, with_formats("Mesh to read", FileUse::kReadVolume))->required();
 }
 
 void add_mesh_output(CLI::App& command, std::string& path) {
-  command.add_option("-o,--output", path, "Mesh to write (" + formats_for(MeshUse::kWriteVolume) + ")")
-      ->required();
+  command.add_option("-o,--output", path, with_formats("Mesh to write", FileUse::kWriteVolume))->required();
 }
 
 void add_surface_output(CLI::App& command, std::string& path) {
@@ -204,22 +207,8 @@ void add_name_option(CLI::App& command, std::vector<std::string>& names) {
       });
 }
 
-void check_volume_output(const std::string& path) {
-  if (is_volume_file(path)) return;
-  throw Error(ErrorKind::kUsage,
-              path + ": unknown mesh format; use " + formats_for(MeshUse::kWriteVolume, " or "));
-}
-
-void check_surface_output(const std::string& path) {
-  if (path.empty() || is_surface_file(path)) return;
-  throw Error(ErrorKind::kUsage,
-              path + ": unknown surface format; use " + formats_for(MeshUse::kWriteSurface, " or "));
-}
-
-void check_metric_output(const std::string& option, const std::string& path) {
-  if (path.empty() || is_for(path, MeshUse::kMetricAlone)) return;
-  throw Error(ErrorKind::kUsage,
-              option + " " + path + ": must be " + formats_for(MeshUse::kMetricAlone, " or "));
+void check_format(const std::string& path, FileUse use) {
+  if (!path.empty()) require_format(path, use, ErrorKind::kUsage);
 }
 
 void check_inputs_stay(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs) {

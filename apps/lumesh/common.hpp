@@ -23,9 +23,8 @@ namespace lumesh::cli {
 
 class Program;
 
-/// Image files that read_image() takes, for help texts.
-inline constexpr const char* kImageFormats =
-    "(.nii[.gz], .nrrd, .nhdr, .mha, .mhd, .gipl[.gz], DICOM folder)";
+/// Text of help with the formats of its files: "Mesh to read (.vtu, .vtk)".
+[[nodiscard]] std::string with_formats(const std::string& text, FileUse use);
 
 /// Help of --report where it shows what was done.
 inline constexpr const char* kReportHelp = "Write it as a page with pictures (.html)";
@@ -125,14 +124,8 @@ void add_out_unit_option(CLI::App& command, std::string& unit);
 /// --name, of commands that make meshes; texts for renaming_from().
 void add_name_option(CLI::App& command, std::vector<std::string>& names);
 
-/// @throws Error{kUsage} unless the name ends as those of files that hold tetrahedra.
-void check_volume_output(const std::string& path);
-
-/// The same for files that hold surfaces; an empty name is not a wanted one.
-void check_surface_output(const std::string& path);
-
-/// The same for files that hold a metric alone. @param option  That names it.
-void check_metric_output(const std::string& option, const std::string& path);
+/// @throws Error{kUsage} unless a file of this name can be used so; an empty name is not a wanted one.
+void check_format(const std::string& path, FileUse use);
 
 /// Refuses outputs that could not be written, before time is spent on them; empty names are not wanted ones.
 /// @throws Error{kBadInput} if a folder does not exist or the name is that of a folder, Error{kUsage} if two

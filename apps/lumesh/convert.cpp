@@ -22,7 +22,7 @@ void run(const ConvertCommand& command) {
   if (output.mesh.empty())
     throw Error(ErrorKind::kUsage,
                 "no name for the mesh to write; give it as in: lumesh convert case1.vtu case1.msh");
-  check_surface_output(output.surface);
+  check_format(output.surface, FileUse::kWriteSurface);
   check_output_folders({output.mesh, output.surface, command.json_path});
   check_inputs_stay({output.surface, command.json_path}, {request.from});
   if (!request.only_labels.empty()) check_inputs_stay({output.mesh}, {request.from});
@@ -39,9 +39,9 @@ void add_convert_command(CLI::App& program) {
   ConversionRequest& request = command->request;
   MeshOutput& output = request.output;
   CLI::App* sub = program.add_subcommand("convert", "Convert a mesh between file formats");
-  sub->add_option("from", request.from, "Mesh to read (" + formats_for(MeshUse::kRead) + ")")->required();
+  sub->add_option("from", request.from, with_formats("Mesh to read", FileUse::kRead))->required();
   sub->add_option("to,-o,--output", output.mesh,
-                  "Mesh to write (" + formats_for(MeshUse::kWrite) + "), as second name or with -o");
+                  with_formats("Mesh to write", FileUse::kWrite) + ", as second name or with -o");
   add_options_of(*sub, request);
   add_json_option(*sub, command->json_path, command->run, "counts and patches");
   finish_command(*sub, command, "Example: lumesh convert case1.vtu case1.msh --msh-version 2.2", false);

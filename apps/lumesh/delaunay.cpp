@@ -24,8 +24,8 @@ void run(DelaunayCommand command) {
   MeshOutput& output = command.output;
   mesher.validate();
   check_domain_options(*command.run.command, input);
-  check_volume_output(output.mesh);
-  check_surface_output(output.surface);
+  check_format(output.mesh, FileUse::kWriteVolume);
+  check_format(output.surface, FileUse::kWriteSurface);
   check_files(
       {output.mesh, output.surface, command.json_path},
       {input.path, mesher.sizes.points, mesher.sizes.image, mesher.sizes.mesh, mesher.sizes.plugin_path()},

@@ -11,7 +11,7 @@ void add_domain_options(CLI::App& command, DomainInput& input) {
   command
       .add_option(
           "image", input.path,
-          std::string("Label image ") + kImageFormats + ", or surface (" + formats_for(MeshUse::kRead) + ")")
+          with_formats("Label image", FileUse::kReadImage) + with_formats(", or surface", FileUse::kRead))
       ->required();
   add_options_of(command, input.selection);
   add_unit_option(command, input.selection.unit);

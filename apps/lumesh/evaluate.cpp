@@ -53,7 +53,7 @@ void add_evaluate_command(CLI::App& program) {
   const auto command = std::make_shared<EvaluateCommand>();
   CLI::App* sub = program.add_subcommand("evaluate", "Measure a mesh, by itself and against its image");
   EvaluationRequest& request = command->request;
-  sub->add_option("mesh", command->mesh_path, "Mesh (" + formats_for(MeshUse::kReadVolume) + ")")->required();
+  sub->add_option("mesh", command->mesh_path, with_formats("Mesh", FileUse::kReadVolume))->required();
   sub->add_option("--image", request.image, "Label image the mesh was made from");
   add_options(*sub, options_of(request.selection), "", {"all_frames"});
   add_unit_option(*sub, request.selection.unit);
@@ -62,7 +62,7 @@ void add_evaluate_command(CLI::App& program) {
   for (const char* option : {"--cut-at", "--clip-ends", "--extend"})
     sub->get_option(option)->needs("--image");
   sub->add_option("--centerline", request.centerline,
-                  "Axes of the vessels (.vtp, by lumesh centerline), or none; default: found in the image");
+                  with_formats("Axes of the vessels or none; default: found in the image", FileUse::kLines));
   sub->add_option("--reference", request.reference, "Parameters of the phantom behind the image (.json)");
   add_json_option(*sub, command->json_path, command->run, "all numbers");
   sub->add_option("--report", command->report_path, "Write a report with plots and pictures (.html)");

@@ -26,7 +26,7 @@ void run(ImproveCommand command) {
   LongRun long_run(command.run);
   ImproveRequest& request = command.request;
   request.validate();
-  check_volume_output(command.output_path);
+  check_format(command.output_path, FileUse::kWriteVolume);
   check_output_folders({command.output_path, command.json_path});
   check_inputs_stay({command.json_path}, {command.mesh_path, request.metric});
   request.options.team.threads = threads_of(command.run);
@@ -55,9 +55,9 @@ void add_improve_command(CLI::App& program) {
   add_mesh_argument(*sub, command->mesh_path);
   add_mesh_output(*sub, command->output_path);
   ImproveRequest& request = command->request;
-  sub->add_option(
-      "-m,--metric", request.metric,
-      "Sizes that edges are to keep to (.sol, .solb), the same in all directions; default: the mesh's own");
+  sub->add_option("-m,--metric", request.metric,
+                  with_formats("Sizes that edges are to keep to", FileUse::kMetricAlone) +
+                      ", the same in all directions; default: the mesh's own");
   sub->add_flag("--ignore-sizes", request.ignores_sizes, "Leave out the metric that the mesh carries")
       ->excludes("--metric");
   OptionList cuts;

@@ -33,7 +33,7 @@ void add_info_command(CLI::App& program) {
   const auto command = std::make_shared<InfoCommand>();
   report::DescriptionRequest& request = command->request;
   CLI::App* sub = program.add_subcommand("info", "Say what an image or a mesh holds");
-  sub->add_option("file", request.path, std::string("Image ") + kImageFormats + " or mesh")->required();
+  sub->add_option("file", request.path, with_formats("Image", FileUse::kReadImage) + " or mesh")->required();
   add_options(*sub, options_of(request.selection), "", {"all_frames"});
   add_unit_option(*sub, request.selection.unit);
   add_options_of(*sub, request.cuts);

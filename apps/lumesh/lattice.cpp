@@ -20,7 +20,7 @@ void run(const LatticeCommand& command) {
   const auto& [input, openings, options, cells_per_diameter] = command.request;
   const MeshOutput& output = command.output;
   input.cuts.validate();
-  check_surface_output(output.surface);
+  check_format(output.surface, FileUse::kWriteSurface);
   check_files({output.mesh, output.surface, command.json_path}, {input.path}, input.selection);
   LatticeMesh made = make_lattice_mesh(command.request, command.run.making(), context);
   write_mesh(output, made.made.mesh.view(), context);
@@ -38,7 +38,7 @@ void add_lattice_command(CLI::App& program) {
   const auto command = std::make_shared<LatticeCommand>();
   LatticeRequest& request = command->request;
   CLI::App* sub = program.add_subcommand("lattice", "Mesh a segmented image on a body-centred cubic lattice");
-  sub->add_option("image", request.input.path, std::string("Label image ") + kImageFormats)->required();
+  sub->add_option("image", request.input.path, with_formats("Label image", FileUse::kReadImage))->required();
   add_mesh_output(*sub, command->output.mesh);
   add_surface_output(*sub, command->output.surface);
   add_json_option(*sub, command->json_path, command->run, "counts, openings, differences and times");

@@ -26,7 +26,7 @@ void run(const LayersCommand& command) {
   command.request.validate();
   if (!command.request.layers.is_wanted() && !(command.json_path + command.report_path).empty())
     throw Error(ErrorKind::kUsage, "--json and --report are about layers; give --first-height, too");
-  check_volume_output(to);
+  check_format(to, FileUse::kWriteVolume);
   command.request.require_held_by(to);
   check_output_folders({to, command.json_path, command.report_path});
   check_inputs_stay({command.json_path, command.report_path}, {from});
@@ -58,7 +58,7 @@ void add_layers_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("layers", "Grow boundary layers out of the surface of a mesh");
   add_mesh_argument(*sub, command->mesh_path);
   sub->add_option("-o,--output", command->output_path,
-                  "Mesh with its layers to write (" + formats_for(MeshUse::kWriteVolume) + ")")
+                  with_formats("Mesh with its layers to write", FileUse::kWriteVolume))
       ->required();
   add_options_of(*sub, command->request);
   sub->add_flag_callback(

@@ -21,7 +21,7 @@ struct MergeCommand {
 };
 
 void check_names(const MergeCommand& command) {
-  check_volume_output(command.output_path);
+  check_format(command.output_path, FileUse::kWriteVolume);
   check_output_folders({command.output_path, command.json_path});
   check_inputs_stay({command.output_path}, command.paths);
   if (command.paths.size() < 2)
@@ -53,8 +53,7 @@ void run(MergeCommand command) {
 void add_merge_command(CLI::App& program) {
   const auto command = std::make_shared<MergeCommand>();
   CLI::App* sub = program.add_subcommand("merge", "Join meshes that touch into one conforming mesh");
-  sub->add_option("meshes", command->paths,
-                  "Two or more meshes to read (" + formats_for(MeshUse::kReadVolume) + ")")
+  sub->add_option("meshes", command->paths, with_formats("Two or more meshes to read", FileUse::kReadVolume))
       ->required();
   add_mesh_output(*sub, command->output_path);
   add_options_of(*sub, command->options);

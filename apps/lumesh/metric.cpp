@@ -26,10 +26,10 @@ void run(const MetricCommand& command) {
   check_output_folders({output_path, command.json_path});
   check_inputs_stay({command.json_path}, {mesh_path, command.request.image});
   const bool alone = is_metric_file(output_path);
-  if (!alone && !is_for(output_path, MeshUse::kCarryMetric))
+  if (!alone && !is_for(output_path, FileUse::kCarryMetric))
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}: only {}, {} files carry a metric", output_path,
-                            formats_for(MeshUse::kCarryMetric), formats_for(MeshUse::kMetricAlone, " and ")));
+                            formats_for(FileUse::kCarryMetric), formats_for(FileUse::kMetricAlone, " and ")));
   command.request.validate();
   MixedMesh input = context.phase("read", [&] { return read_mesh(mesh_path); });
   MeshWithMetric made = give_metric(input, mesh_path, command.request, context);
@@ -55,8 +55,8 @@ void add_metric_command(CLI::App& program) {
   CLI::App* sub = program.add_subcommand("metric", "Give every vertex of a mesh a metric tensor");
   add_mesh_argument(*sub, command->mesh_path);
   sub->add_option("-o,--output", command->output_path,
-                  "Mesh with the metric to write (" + formats_for(MeshUse::kCarryMetric) +
-                      "), or the metric alone (" + formats_for(MeshUse::kMetricAlone) + ")")
+                  with_formats("Mesh with the metric to write", FileUse::kCarryMetric) +
+                      with_formats(", or the metric alone", FileUse::kMetricAlone))
       ->required();
   MeshMetricRequest& request = command->request;
   add_options_of(*sub, request.metric);

@@ -10,6 +10,7 @@
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/parse_number.hpp"
+#include "lumesh/io/file_formats.hpp"
 
 namespace lumesh::cli {
 namespace {
@@ -25,7 +26,7 @@ bool is_list(const OptionTarget& target) {
 /// "Longer edges are split; metric length, between 1 and 3".
 std::string help_of(const Option& option) {
   const std::string values = option.domain_text();
-  return option.meaning + (values.empty() ? "" : "; " + values) +
+  return meaning_of(option) + (values.empty() ? "" : "; " + values) +
          (is_list(option.target) ? "; may be repeated" : "");
 }
 

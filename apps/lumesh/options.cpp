@@ -4,6 +4,7 @@
 
 #include "commands.hpp"
 #include "common.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/pipeline/case.hpp"
 #include "lumesh/stages/conversion.hpp"
 #include "lumesh/stages/merge_stage.hpp"
@@ -20,7 +21,7 @@ nlohmann::ordered_json option_json(const Option& option) {
   if (const auto* const word = std::get_if<OptionWord>(&option.target)) json["words"] = word->words;
   json["default"] = option.value_text();
   if (option.zero_text) json["zero"] = *option.zero_text;
-  json["meaning"] = option.meaning;
+  json["meaning"] = meaning_of(option);
   json["flags"] = flags_of(option);
   return json;
 }
@@ -42,6 +43,7 @@ nlohmann::ordered_json sections_json() {
   add("convert", ConversionRequest());
   add("merge", MergeOptions());
   add("phantom", PhantomSpec());
+  for (const auto& [use, words] : file_uses()) json["formats"][words] = format_names(use);
   return json;
 }
 
@@ -51,7 +53,7 @@ void print_sections() {
     if (!section.name.empty()) print_out("\n[{}]  {}\n", section.name, section.meaning);
     for (const Option& option : section.options.all()) {
       const std::string values = option.domain_text();
-      print_out("  {:<20} {}{}; default {}\n", option.name, option.meaning,
+      print_out("  {:<20} {}{}; default {}\n", option.name, meaning_of(option),
                 values.empty() ? "" : "; " + values, option.value_text());
     }
   }
@@ -64,7 +66,8 @@ void add_options_command(CLI::App& program) {
   const auto ran = std::make_shared<RunOptions>();
   CLI::App* sub =
       program.add_subcommand("options", "List all options of all stages, as case files name them");
-  add_json_option(*sub, *json_path, *ran, "name, aliases, unit, range, words, default and meaning of each");
+  add_json_option(*sub, *json_path, *ran,
+                  "name, aliases, unit, range, words, default and meaning of each, and all formats of files");
   sub->footer("Example: lumesh options");
   sub->callback([json_path, ran] {
     if (!json_path->empty()) write_json(*json_path, sections_json().dump(2));

@@ -21,6 +21,9 @@ void run(PhantomCommand command) {
   CommandRun session(command.run);
   PhantomRequest& request = command.request;
   const std::string parameters = request.parameters_path();
+  check_format(request.image, FileUse::kWriteImage);
+  for (const std::string& lines : {request.centerline, request.velocity})
+    check_format(lines, FileUse::kLines);
   check_output_folders({request.image, parameters, request.centerline, request.velocity, command.json_path});
   request.spec.kind = phantom_kind_from_name(command.kind);
   const PhantomMade made = make_phantom(request, session.context);
@@ -39,13 +42,16 @@ void add_phantom_command(CLI::App& program) {
   PhantomRequest& request = command->request;
   CLI::App* sub = program.add_subcommand("phantom", "Make a synthetic image of which the truth is known");
   sub->add_option("kind", command->kind, "carotid, bifurcation, layered, sphere or torus")->required();
-  sub->add_option("-o,--output", request.image, "Image to write (.nrrd, .nii, .nii.gz)")->required();
+  sub->add_option("-o,--output", request.image, with_formats("Image to write", FileUse::kWriteImage))
+      ->required();
   add_options_of(*sub, request.spec);
   sub->add_option("--parameters", request.parameters,
                   "Where to write the parameters, for lumesh evaluate; default: beside the image, "
                   "case1.nrrd: case1.phantom.json");
-  sub->add_option("--centerline", request.centerline, "Also write the centerline with its radius (.vtp)");
-  sub->add_option("--velocity", request.velocity, "Also write streamlines with velocity in m/s (.vtp)");
+  sub->add_option("--centerline", request.centerline,
+                  with_formats("Also write the centerline with its radius", FileUse::kLines));
+  sub->add_option("--velocity", request.velocity,
+                  with_formats("Also write streamlines with velocity in m/s", FileUse::kLines));
   add_json_option(*sub, command->json_path, command->run, "what the labels amount to, and their truth");
   finish_command(
       *sub, command,

@@ -21,9 +21,9 @@ struct RepairCommand {
 void run(RepairCommand command) {
   CommandRun session(command.run);
   Context& context = session.context;
-  check_surface_output(command.to);
+  check_format(command.to, FileUse::kWriteSurface);
   check_files({command.to, command.json_path}, {command.from});
-  command.request.in_single_precision = command.to.ends_with(".stl");
+  command.request.in_single_precision = is_for(command.to, FileUse::kWriteSingle);
   RepairOutcome outcome = repair_file(command.from, command.request, context);
   std::map<std::string, std::string>& provenance = outcome.surface.info.provenance;
   provenance = provenance_of(command.run.making(), command.from, provenance);
@@ -38,9 +38,8 @@ void run(RepairCommand command) {
 void add_repair_command(CLI::App& program) {
   const auto command = std::make_shared<RepairCommand>();
   CLI::App* sub = program.add_subcommand("repair", "Make a surface with faults one that can be meshed");
-  sub->add_option("from", command->from, "Surface to read (" + formats_for(MeshUse::kRead) + ")")->required();
-  sub->add_option("-o,--output", command->to,
-                  "Surface to write (" + formats_for(MeshUse::kWriteSurface) + ")")
+  sub->add_option("from", command->from, with_formats("Surface to read", FileUse::kRead))->required();
+  sub->add_option("-o,--output", command->to, with_formats("Surface to write", FileUse::kWriteSurface))
       ->required();
   add_options_of(*sub, command->request);
   add_json_option(*sub, command->json_path, command->run, "what was done");

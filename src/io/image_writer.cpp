@@ -7,7 +7,9 @@
 #include <string>
 
 #include "file_fault.hpp"
+#include "format_table.hpp"
 #include "lumesh/io/image_file.hpp"
+#include "mesh_formats.hpp"
 #include "output_file.hpp"
 #include "parallel_gzip.hpp"
 #include "raw_image.hpp"
@@ -39,23 +41,6 @@ void fill_voxels(const LabelImage& image, VoxelType type, std::size_t first, std
 
 std::string vector_text(const Vec3& v) {
   return fmt::format("({},{},{})", v.x(), v.y(), v.z());
-}
-
-void write_nrrd(const fs::path& path, const LabelImage& image) {
-  const ImageFrame& frame = image.frame();
-  const VoxelType type = smallest_type(image);
-  OutputFile file(path);
-  file.print("NRRD0004\ntype: {}\ndimension: 3\nspace: left-posterior-superior\n", io::names_of(type).nrrd);
-  file.print("sizes: {} {} {}\nspace directions:", frame.size.x(), frame.size.y(), frame.size.z());
-  for (int i = 0; i < 3; ++i) file.print(" {}", vector_text(frame.direction.col(i) * frame.spacing_mm[i]));
-  file.print(
-      "\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace units: \"mm\" \"mm\" \"mm\"\n");
-  file.print("space origin: {}\n\n", vector_text(frame.origin_mm));
-  const std::size_t width = io::voxel_bytes(type);
-  io::write_gzip(file, frame.voxel_count() * width, [&](std::size_t first, std::size_t last, std::byte* out) {
-    fill_voxels(image, type, first / width, last / width, out);
-  });
-  file.commit();
 }
 
 template <class Value>
@@ -104,13 +89,32 @@ std::array<std::byte, 352> nifti_header(const fs::path& path, const ImageFrame& 
   return header;
 }
 
-void write_nifti(const fs::path& path, const LabelImage& image) {
+}  // namespace
+
+void io::write_nrrd(const fs::path& path, const LabelImage& image) {
+  const ImageFrame& frame = image.frame();
+  const VoxelType type = smallest_type(image);
+  OutputFile file(path);
+  file.print("NRRD0004\ntype: {}\ndimension: 3\nspace: left-posterior-superior\n", io::names_of(type).nrrd);
+  file.print("sizes: {} {} {}\nspace directions:", frame.size.x(), frame.size.y(), frame.size.z());
+  for (int i = 0; i < 3; ++i) file.print(" {}", vector_text(frame.direction.col(i) * frame.spacing_mm[i]));
+  file.print(
+      "\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace units: \"mm\" \"mm\" \"mm\"\n");
+  file.print("space origin: {}\n\n", vector_text(frame.origin_mm));
+  const std::size_t width = io::voxel_bytes(type);
+  io::write_gzip(file, frame.voxel_count() * width, [&](std::size_t first, std::size_t last, std::byte* out) {
+    fill_voxels(image, type, first / width, last / width, out);
+  });
+  file.commit();
+}
+
+void io::write_nifti(const fs::path& path, const LabelImage& image) {
   const VoxelType type = smallest_type(image);
   const std::array<std::byte, 352> header = nifti_header(path, image.frame(), type);
   const std::size_t width = io::voxel_bytes(type);
   const std::size_t bytes = image.frame().voxel_count() * width;
   OutputFile file(path);
-  if (path.extension() == ".gz") {
+  if (lower_extension(path).ends_with(".gz")) {
     // Voxels begin at a multiple of their width (352), so parts split between voxels.
     io::write_gzip(file, header.size() + bytes, [&](std::size_t first, std::size_t last, std::byte* out) {
       const std::size_t from_header = first < header.size() ? header.size() - first : 0;
@@ -131,17 +135,8 @@ void write_nifti(const fs::path& path, const LabelImage& image) {
   file.commit();
 }
 
-}  // namespace
-
 void write_image(const fs::path& path, const LabelImage& image) {
-  const std::string name = path.filename().string();
-  const auto ends_with = [&](std::string_view ending) {
-    return name.size() > ending.size() &&
-           std::string_view(name).substr(name.size() - ending.size()) == ending;
-  };
-  if (ends_with(".nrrd")) return write_nrrd(path, image);
-  if (ends_with(".nii") || ends_with(".nii.gz")) return write_nifti(path, image);
-  io::fail(path, "unknown image format; use .nrrd, .nii or .nii.gz");
+  io::format_of(path, FileUse::kWriteImage).code.write_image(path, image);
 }
 
 }  // namespace lumesh

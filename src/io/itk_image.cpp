@@ -284,11 +284,9 @@ auto with_reader(const fs::path& path, const Use& use, const Otherwise& otherwis
     if (fs::is_directory(path)) return otherwise();
     if (const itk::ImageIOBase::Pointer io = make_reader(path)) return use(*io);
     if (read_dicom_file(path)) return otherwise();
-    fail(path,
-         "is not an image lumesh can read; it takes NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr), MetaImage "
-         "(.mha, .mhd), GIPL and DICOM; surfaces and meshes are " +
-             formats_for(MeshUse::kRead, " or ") +
-             ", to which meshio and ParaView convert others, such as .ply");
+    fail(path, "is not an image lumesh can read; it takes " + formats_for(FileUse::kReadImage, " or ") +
+                   "; surfaces and meshes are " + formats_for(FileUse::kRead, " or ") +
+                   ", to which meshio and ParaView convert others, such as .ply");
   } catch (const itk::ExceptionObject& fault) {
     fail(path, fmt::format("is damaged or incomplete ({}); save it again", one_line(fault)));
   }

@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <vector>
+#include <limits>
 
 #include "file_fault.hpp"
+#include "format_table.hpp"
 #include "lumesh/core/option.hpp"
-#include "lumesh/core/trimmed.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "mesh_formats.hpp"
 #include "part_names.hpp"
@@ -24,106 +22,44 @@ void MeshWriteOptions::describe(OptionList& list) {
                {"gmsh", LabelAlias::kGmsh},
                {"medit", LabelAlias::kMedit},
                {"simvascular", LabelAlias::kSimVascular}},
-              "The label array once more, under the name that this program looks for; .vtu, .vtk, .vtp only");
-}
-
-std::string io::lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  if (extension == ".gz") extension = path.stem().extension().string() + extension;
-  return lower_case(std::move(extension));
+              "The label array once more, under the name that this program looks for")
+      .of_files(FileUse::kLabelAlias);
 }
 
 namespace {
 
 using Path = std::filesystem::path;
 
-constexpr const char* kFolder = "/";  // In the place of an extension.
-
-struct MeshFormat {
-  std::string_view extension;  // In small letters.
-  std::string_view name;       // For help and messages; empty where it goes without saying.
-  unsigned uses;               // Bits of MeshUse.
-  MixedMesh (*read)(const Path& path);
-  void (*write)(const Path& path, const MeshView& mesh, const MeshWriteOptions& options);
-  std::string_view parts = {};  // What is named in it, such as solids, by any text; patches have words.
-};
-
-template <class... Uses>
-constexpr unsigned bits(Uses... uses) {
-  return (0U | ... | (1U << static_cast<unsigned>(uses)));
-}
-
-template <auto kWriter>
-void write_plainly(const Path& path, const MeshView& mesh, const MeshWriteOptions& /*options*/) {
-  kWriter(path, mesh);
-}
-
-void write_gmsh(const Path& path, const MeshView& mesh, const MeshWriteOptions& options) {
-  io::write_gmsh(path, mesh, options.msh_version);
-}
-
-using enum MeshUse;
-constexpr unsigned kVolumeIn = bits(kRead, kReadVolume), kTetrahedraOut = bits(kWrite, kWriteVolume),
-                   kMixedOut = kTetrahedraOut | bits(kWriteMixed),
-                   kSurface = bits(kRead, kWrite, kWriteSurface);
-
-/// Every format, and all that is said of formats anywhere, in the order of the lists.
-constexpr auto kFormats = std::to_array<MeshFormat>({
-    {".vtu", ".vtu", kVolumeIn | kMixedOut | bits(kCarryMetric), io::read_vtu, io::write_vtu},
-    {".vtk", ".vtk", kVolumeIn | kMixedOut | bits(kCarryMetric), io::read_legacy_vtk, io::write_legacy_vtk},
-    {".vtk.gz", "", kVolumeIn, io::read_legacy_vtk, nullptr},
-    {".mesh", ".mesh", kVolumeIn | kMixedOut, io::read_medit_ascii, write_plainly<io::write_medit_ascii>},
-    {".meshb", ".meshb", kVolumeIn | kMixedOut, io::read_medit_binary, write_plainly<io::write_medit_binary>},
-    {".msh", ".msh", kVolumeIn | kMixedOut, io::read_gmsh, write_gmsh},
-    {".foam", ".foam for OpenFOAM", kMixedOut, nullptr, write_plainly<io::write_foam>},
-    {".xdmf", ".xdmf for FEniCS", kTetrahedraOut, nullptr, write_plainly<io::write_xdmf>},
-    {kFolder, "a folder NAME-mesh-complete for SimVascular", kTetrahedraOut, nullptr,
-     write_plainly<io::write_simvascular>},
-    {".vtp", ".vtp", kSurface, io::read_vtp_surface, io::write_vtp_surface},
-    {".stl", ".stl", kSurface, io::read_stl, write_plainly<io::write_stl>, "solid"},
-    {".stl.gz", "", bits(kRead), io::read_stl, nullptr, "solid"},
-    {".obj", ".obj", bits(kRead), io::read_obj, nullptr, "group"},
-    {".off", ".off", kSurface, io::read_off, write_plainly<io::write_off>},
-    {".sol", ".sol", bits(kMetricAlone), nullptr, nullptr},
-    {".solb", ".solb", bits(kMetricAlone), nullptr, nullptr},
-});
-
-/// @return nullptr if there is none that can be used so.
-const MeshFormat* format_of(const Path& path, MeshUse use) {
-  const std::string extension = is_mesh_folder(path) ? kFolder : io::lower_extension(path);
-  const auto format = std::ranges::find_if(
-      kFormats, [&](const MeshFormat& f) { return f.extension == extension && (f.uses & bits(use)) != 0; });
-  return format == kFormats.end() ? nullptr : &*format;
-}
-
-/// @throws Error{kBadInput}, as above.
-const MeshFormat& known_format_of(const Path& path, MeshUse use) {
-  const MeshFormat* const format = format_of(path, use);
-  if (format == nullptr) io::fail(path, "unknown mesh format; use " + formats_for(use, " or "));
-  return *format;
+/// @throws Error{kBadInput} unless the mesh has tetrahedra, has no other cells nor faces than triangles, and
+/// its numbers of points, cells and faces fit into 32 bits with sign, counted from 1.
+void require_tetrahedra(const Path& path, const MeshView& mesh) {
+  const std::size_t others = mesh.cell_count() - mesh.tetrahedra.size();
+  if (others > 0)
+    io::fail(path, fmt::format("holds tetrahedra only, and {} of the {} cells are of other shapes; mesh "
+                               "without hexahedra and pyramids",
+                               others, mesh.cell_count()));
+  if (mesh.tetrahedra.empty())
+    io::fail(path, "holds tetrahedra, and the mesh has none; convert a volume mesh");
+  if (!mesh.quadrilaterals.empty())
+    io::fail(path, fmt::format("holds triangles only, and the boundary has {} quadrilaterals; remove them or "
+                               "choose .vtu",
+                               mesh.quadrilaterals.size()));
+  constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (mesh.points.size() > kMost || mesh.tetrahedra.size() > kMost || mesh.triangles.size() > kMost)
+    io::fail(path, "numbers in 32 bits, too few for this mesh; choose .vtu");
 }
 
 }  // namespace
 
-bool is_for(const Path& path, MeshUse use) {
-  return format_of(path, use) != nullptr;
-}
-
-std::string formats_for(MeshUse use, std::string_view before_last) {
-  std::vector<std::string_view> names;
-  for (const MeshFormat& format : kFormats)
-    if ((format.uses & bits(use)) != 0 && !format.name.empty()) names.push_back(format.name);
-  const std::string_view last = names.back();
-  names.pop_back();
-  return fmt::format("{}{}{}", fmt::join(names, ", "), names.empty() ? "" : before_last, last);
-}
-
 void write_mesh(const Path& path, const MeshView& mesh, const MeshWriteOptions& options) {
-  known_format_of(path, kWrite).write(path, mesh, options);
+  const io::FileFormat& format = io::format_of(path, FileUse::kWrite);
+  if (format.serves(FileUse::kWriteVolume) && !format.serves(FileUse::kWriteMixed))
+    require_tetrahedra(path, mesh);
+  format.code.write(path, mesh, options);
 }
 
 void write_surface(const Path& path, const MeshView& mesh, const MeshWriteOptions& options) {
-  known_format_of(path, kWriteSurface).write(path, mesh, options);
+  io::format_of(path, FileUse::kWriteSurface).code.write(path, mesh, options);
 }
 
 MixedMesh read_mesh(const Path& path) {
@@ -132,11 +68,11 @@ MixedMesh read_mesh(const Path& path) {
 
 MixedMesh read_surface_file(const Path& path, const std::string& patch_array, const Context& context) {
   io::check_file(path);
-  const MeshFormat& format = known_format_of(path, kRead);
-  const bool has_arrays = format.read == io::read_vtp_surface;
+  const io::FileFormat& format = io::format_of(path, FileUse::kRead);
+  const bool has_arrays = format.serves(FileUse::kPatchArray);
   if (!patch_array.empty() && !has_arrays)
-    io::fail(path, "has no arrays of cells; `patch_array` is for .vtp");
-  MixedMesh mesh = has_arrays ? io::read_vtp_surface_by(path, patch_array, context) : format.read(path);
+    io::fail(path, "has no arrays of cells; `patch_array` is for " + formats_for(FileUse::kPatchArray));
+  MixedMesh mesh = has_arrays ? io::read_vtp_surface_by(path, patch_array, context) : format.code.read(path);
   for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
   for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));
   if (format.parts.empty()) return mesh;

@@ -1,5 +1,5 @@
 #pragma once
-/// @file The formats behind write_mesh() and read_mesh(). All throw Error{kBadInput}.
+/// @file Readers and writers of the formats in the table of file_formats.cpp. All throw Error{kBadInput}.
 
 #include <filesystem>
 #include <string>
@@ -9,6 +9,10 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh {
+class LabelImage;
+}
 
 namespace lumesh::io {
 
@@ -54,9 +58,15 @@ void check_simvascular_folder(const std::filesystem::path& path);
 [[nodiscard]] PointData read_vtk_xml_point_data(const std::filesystem::path& path,
                                                 std::string_view dataset_type);
 [[nodiscard]] PointData read_legacy_vtk_point_data(const std::filesystem::path& path);
+/// One point a line; a table of named columns; see read_points() and read_point_data().
+[[nodiscard]] MixedMesh read_text_points(const std::filesystem::path& path);
+[[nodiscard]] PointData read_text_point_data(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_medit_ascii(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_medit_binary(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_gmsh(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_stl(const std::filesystem::path& path);
+
+void write_nrrd(const std::filesystem::path& path, const LabelImage& image);
+void write_nifti(const std::filesystem::path& path, const LabelImage& image);
 
 }  // namespace lumesh::io

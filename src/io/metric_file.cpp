@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "file_fault.hpp"
+#include "format_table.hpp"
 #include "medit_bytes.hpp"
 #include "mesh_formats.hpp"
 #include "metric_tensors.hpp"
@@ -26,8 +27,8 @@ constexpr std::string_view kOrder = "xx xy yy xz yz zz";
 enum class Encoding : std::uint8_t { kText, kBinary };
 
 Encoding encoding_of(const std::filesystem::path& path) {
-  if (is_metric_file(path)) return io::lower_extension(path) == ".sol" ? Encoding::kText : Encoding::kBinary;
-  io::fail(path, "unknown metric format; use " + formats_for(MeshUse::kMetricAlone, " or "));
+  const io::FileFormat& format = io::format_of(path, FileUse::kMetricAlone);
+  return format.extension == ".sol" ? Encoding::kText : Encoding::kBinary;
 }
 
 /// The text of a .sol file, as FieldReader needs it.

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "file_fault.hpp"
+#include "format_table.hpp"
 #include "lumesh/core/trimmed.hpp"
 #include "mesh_formats.hpp"
 #include "point_arrays.hpp"
@@ -146,30 +147,6 @@ TextTable read_table(const std::filesystem::path& path, std::string_view content
   return table;
 }
 
-PointData read_text_data(const std::filesystem::path& path) {
-  const std::string content = io::read_whole_file(path);
-  const TextTable table = read_table(path, content);
-  PointData data;
-  if (table.names.empty()) return data;
-  const io::PlaceColumns places = io::place_columns({table.names.begin(), table.names.end()});
-  for (std::size_t i = 0; i < table.columns[0].size(); ++i) {
-    data.points.emplace_back(table.columns[places[0]][i], table.columns[places[1]][i],
-                             table.columns[places[2]][i]);
-    if (!data.points.back().allFinite()) io::fail(path, fmt::format("point {} is not finite", i));
-  }
-  keep_columns(table, places, data);
-  return data;
-}
-
-PointData read_any_data(const std::filesystem::path& path) {
-  const std::string extension = io::lower_extension(path);
-  if (extension == ".vtp") return io::read_vtk_xml_point_data(path, "PolyData");
-  if (extension == ".vtu") return io::read_vtk_xml_point_data(path, "UnstructuredGrid");
-  if (extension == ".vtk" || extension == ".vtk.gz") return io::read_legacy_vtk_point_data(path);
-  if (extension == ".csv" || extension == ".txt" || extension == ".dat") return read_text_data(path);
-  io::fail(path, "unknown format of data on points; use .vtp, .vtu, .vtk or .csv");
-}
-
 template <class Arrays>
 std::string list_of(const Arrays& arrays) {
   constexpr std::size_t kMaxListed = 8;
@@ -198,9 +175,24 @@ const auto& array_named(const Arrays& arrays, const std::string& name, const std
 
 }  // namespace
 
+PointData io::read_text_point_data(const std::filesystem::path& path) {
+  const std::string content = io::read_whole_file(path);
+  const TextTable table = read_table(path, content);
+  PointData data;
+  if (table.names.empty()) return data;
+  const io::PlaceColumns places = io::place_columns({table.names.begin(), table.names.end()});
+  for (std::size_t i = 0; i < table.columns[0].size(); ++i) {
+    data.points.emplace_back(table.columns[places[0]][i], table.columns[places[1]][i],
+                             table.columns[places[2]][i]);
+    if (!data.points.back().allFinite()) io::fail(path, fmt::format("point {} is not finite", i));
+  }
+  keep_columns(table, places, data);
+  return data;
+}
+
 PointData read_point_data(const std::filesystem::path& path) {
   io::check_file(path);
-  PointData data = read_any_data(path);
+  PointData data = io::format_of(path, FileUse::kPointData).code.read_point_data(path);
   if (data.points.empty()) io::fail(path, "holds no points");
   return data;
 }

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "file_fault.hpp"
+#include "format_table.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "mesh_formats.hpp"
 #include "text_scanner.hpp"
@@ -36,7 +36,7 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   return fields;
 }
 
-std::vector<Vec3> read_text(const std::filesystem::path& path) {
+std::vector<Vec3> points_of_text(const std::filesystem::path& path) {
   const std::string content = io::read_whole_file(path);
   std::vector<Vec3> points;
   io::PlaceColumns columns = {0, 1, 2};
@@ -65,30 +65,25 @@ std::vector<Vec3> read_text(const std::filesystem::path& path) {
   return points;
 }
 
-MixedMesh read_any(const std::filesystem::path& path) {
-  const std::string extension = io::lower_extension(path);
-  if (extension == ".vtp") return io::read_vtk_xml_points(path, "PolyData");
-  if (extension == ".vtu") return io::read_vtk_xml_points(path, "UnstructuredGrid");
-  if (extension == ".vtk" || extension == ".vtk.gz") return io::read_legacy_vtk_points(path);
+}  // namespace
+
+MixedMesh io::read_text_points(const std::filesystem::path& path) {
   MixedMesh cloud;
-  if (is_mesh_file(path)) {
-    MixedMesh mesh = read_mesh(path);
-    cloud.points = std::move(mesh.points);
-    cloud.info = std::move(mesh.info);
-    return cloud;
-  }
-  constexpr std::array<std::string_view, 5> kText = {".csv", ".txt", ".xyz", ".pts", ".dat"};
-  if (std::ranges::find(kText, extension) == kText.end())
-    io::fail(path, "unknown format of points; use .vtp, .vtu, .vtk, .csv, .txt or .xyz");
-  cloud.points = read_text(path);
+  cloud.points = points_of_text(path);
   return cloud;
 }
 
-}  // namespace
-
 MixedMesh read_points(const std::filesystem::path& path) {
   io::check_file(path);
-  MixedMesh cloud = read_any(path);
+  const io::FileFormat::Code& code = io::format_of(path, FileUse::kPoints).code;
+  MixedMesh cloud;
+  if (code.read_points != nullptr) {
+    cloud = code.read_points(path);
+  } else {
+    MixedMesh mesh = read_mesh(path);
+    cloud.points = std::move(mesh.points);
+    cloud.info = std::move(mesh.info);
+  }
   if (cloud.points.empty()) io::fail(path, "holds no points; give one per line");
   return cloud;
 }

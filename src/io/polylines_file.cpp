@@ -34,13 +34,8 @@ void check_arrays(const std::filesystem::path& path, const Polylines& lines) {
 
 }  // namespace
 
-void check_lines_file(const std::filesystem::path& path) {
-  if (path.extension() != kLinesFormat)
-    io::fail(path, fmt::format("unknown format of lines; use {}", kLinesFormat), ErrorKind::kUsage);
-}
-
 void write_polylines(const std::filesystem::path& path, const Polylines& lines, const MeshInfo& info) {
-  check_lines_file(path);
+  require_format(path, FileUse::kLines, ErrorKind::kUsage);
   check_arrays(path, lines);
   io::VtkXmlWriter writer(path, "PolyData");
   writer.print("<FieldData>\n");

@@ -18,7 +18,6 @@
 #include "lumesh/mesh/patch_words.hpp"
 #include "mesh_formats.hpp"
 #include "output_folder.hpp"
-#include "tetrahedra_only.hpp"
 #include "vtk_xml_writer.hpp"
 
 namespace lumesh::io {
@@ -205,7 +204,6 @@ void check_simvascular_folder(const fs::path& named) {
 
 void write_simvascular(const fs::path& named, const MeshView& mesh) {
   const fs::path path = without_slash(named);
-  require_tetrahedra(path, mesh, "SimVascular");
   check_simvascular_folder(path);
   const std::vector<FaceOwner> owners = find_face_owners(mesh);
   const FaceGroups groups = group_faces(path, mesh, owners);

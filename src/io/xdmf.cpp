@@ -16,7 +16,6 @@
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "output_file.hpp"
-#include "tetrahedra_only.hpp"
 #include "vtk_xml_writer.hpp"
 
 namespace lumesh::io {
@@ -101,7 +100,6 @@ std::string tags_as_json(const MeshView& mesh, const Grid& cells, const Grid& fa
 }  // namespace
 
 void write_xdmf(const fs::path& path, const MeshView& mesh) {
-  require_tetrahedra(path, mesh, "FEniCS");
   // The name of the HDF5 file and that of the array in it stand behind each other with a colon between.
   if (path.filename().string().find(':') != std::string::npos)
     fail(path, "readers of XDMF split names at a colon; choose a name without");

@@ -53,7 +53,8 @@ std::vector<SymTensor> AnalyticSource::at(std::span<const Vec3> places, SourceDa
 }
 
 void TensorSource::describe(OptionList& list) {
-  list.path("metric", file, "Tensors of the mesh's vertices (.sol, .solb); none: those that the mesh carries")
+  list.path("metric", file, "Tensors of the mesh's vertices; none: those that the mesh carries")
+      .of_files(FileUse::kMetricAlone)
       .in("1/mm²")
       .alias("m");
 }
@@ -65,9 +66,9 @@ std::vector<SymTensor> TensorSource::on(const TetMesh& /*mesh*/, SourceData& dat
 
 void PointSource::describe(OptionList& list) {
   list.path("points", points,
-            "Ellipsoids around the k points nearest to each vertex, of a file (.vtp, .vtu, .vtk, meshes, "
-            ".csv, .txt, .xyz), or of the centerline",
-            {"centerline"});
+            "Ellipsoids around the k points nearest to each vertex, of a file or of the centerline",
+            {"centerline"})
+      .of_files(FileUse::kPoints);
   options.describe(list);
 }
 
@@ -78,9 +79,10 @@ std::vector<SymTensor> PointSource::at(std::span<const Vec3> places, SourceData&
 
 void VelocitySource::describe(OptionList& list) {
   list.path("velocity", velocity,
-            "Fine across the flow where its velocity changes, long along it: samples of a velocity (.vtp, "
-            ".vtu, .vtk, .csv, .txt, .dat), or the phantom's",
-            {"phantom"});
+            "Fine across the flow where its velocity changes, long along it: samples of a velocity, or "
+            "the phantom's",
+            {"phantom"})
+      .of_files(FileUse::kPointData);
   list.text("velocity_array", array,
             "Point array that holds it; none: velocity, or the only vectors there are")
       .needs("velocity");
@@ -96,8 +98,9 @@ std::vector<SymTensor> VelocitySource::at(std::span<const Vec3> places, SourceDa
 
 void HessianSource::describe(OptionList& list) {
   list.text("hessian", field,
-            "Low interpolation error of this solution: a point array of the mesh's file, or a .sol or .solb "
-            "file with a number per vertex");
+            "Low interpolation error of this solution: a point array of the mesh's file, or a file with a "
+            "number per vertex")
+      .of_files(FileUse::kMetricAlone);
   options.describe(list);
 }
 

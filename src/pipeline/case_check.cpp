@@ -136,10 +136,10 @@ void check_shapes(const Case& c) {
   const bool has_prisms = c.layers.is_wanted() && c.layers.options.cells == LayerCells::kPrisms;
   if (!c.makes_mixed_mesh() && !has_prisms) return;
   for (const std::string& name : c.output.meshes)
-    if (!is_mixed_volume_file(name))
+    if (!is_for(name, FileUse::kWriteMixed))
       refuse(fmt::format("[output] meshes: {} holds tetrahedra only, not the {}; use {}, or {}", name,
                          has_prisms ? "prisms of [layers]" : "hexahedra of [lattice] mixed",
-                         formats_for(MeshUse::kWriteMixed),
+                         formats_for(FileUse::kWriteMixed),
                          has_prisms ? "set [layers] cells = \"tetrahedra\"" : "leave mixed out"));
 }
 
@@ -169,9 +169,7 @@ void check_section(const std::string& section, const Check& check) {
 void check_output(const Case& c) {
   if (c.output.meshes.empty()) refuse("[output] meshes names no file; such as [\"mesh.vtu\"]");
   for (const std::string& name : c.output.meshes)
-    if (!is_volume_file(name))
-      refuse(fmt::format("[output] meshes: {} has an unknown format; use {}", name,
-                         formats_for(MeshUse::kWriteVolume, " or ")));
+    naming("[output] meshes", [&] { require_format(name, FileUse::kWriteVolume); });
   std::set<std::filesystem::path> folders_of_foam;
   for (const std::filesystem::path name : c.output.meshes)
     if (name.extension() == ".foam" && !folders_of_foam.insert(name.parent_path()).second)
@@ -179,9 +177,8 @@ void check_output(const Case& c) {
           fmt::format("[output] meshes: {} would replace the mesh of another .foam, since a folder has one "
                       "constant/polyMesh; name one of them",
                       name.string()));
-  if (!c.output.surface.empty() && !is_surface_file(c.output.surface))
-    refuse(fmt::format("[output] surface: {} has an unknown format; use {}", c.output.surface,
-                       formats_for(MeshUse::kWriteSurface, " or ")));
+  if (!c.output.surface.empty())
+    naming("[output] surface", [&] { require_format(c.output.surface, FileUse::kWriteSurface); });
   if (!c.output.report.empty() && !c.output.report.ends_with(".html"))
     refuse(fmt::format("[output] report: {} must end in .html", c.output.report));
   if (!c.output.json.empty() && !c.output.json.ends_with(".json"))

@@ -8,8 +8,8 @@
 namespace lumesh {
 
 void InputKeys::describe(OptionList& list) {
-  list.path("image", image, "Label image: NIfTI, NRRD, MetaImage, GIPL, DICOM folder");
-  list.path("surface", surface, "Or a surface, open ends are capped: " + formats_for(MeshUse::kRead));
+  list.path("image", image, "Label image").of_files(FileUse::kReadImage);
+  list.path("surface", surface, "Or a surface, open ends are capped").of_files(FileUse::kRead);
   list.text("phantom", phantom, "Or a synthetic image: carotid, bifurcation, layered, sphere, torus");
   phantom_spec.describe_image(list, "phantom_");
   selection.describe(list);
@@ -34,10 +34,9 @@ void OpeningKeys::describe(OptionList& list) {
 
 void OutputKeys::describe(OptionList& list) {
   list.path("folder", folder, "Where all files go; none: a folder of the case's name");
-  list.texts("meshes", meshes,
-             "The last mesh, in the format of each name: " + formats_for(MeshUse::kWriteVolume));
-  list.text("surface", surface,
-            "The boundary of the last mesh: " + formats_for(MeshUse::kWriteSurface) + "; none: not written");
+  list.texts("meshes", meshes, "The last mesh, in the format of each name").of_files(FileUse::kWriteVolume);
+  list.text("surface", surface, "The boundary of the last mesh; none: not written")
+      .of_files(FileUse::kWriteSurface);
   describe_out_unit(list, unit);
   list.text("report", report, "Report with plots and pictures (.html); none: not written");
   list.text("json", json, "All numbers (.json); none: not written");

@@ -2,6 +2,7 @@
 
 #include "case_sections.hpp"
 #include "lumesh/core/joined.hpp"
+#include "lumesh/io/file_formats.hpp"
 
 namespace lumesh {
 namespace pipeline {
@@ -65,7 +66,7 @@ struct ValueText {
 /// What a key means, as a comment behind it.
 std::string comment_of(const Option& key) {
   const std::string values = key.domain_text();
-  return key.meaning + (values.empty() ? "" : "; " + values) +
+  return meaning_of(key) + (values.empty() ? "" : "; " + values) +
          (key.zero_text ? "; 0: " + *key.zero_text : "");
 }
 

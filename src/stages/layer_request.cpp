@@ -71,10 +71,10 @@ void LayersAndExtension::validate() const {
 }
 
 void LayersAndExtension::require_held_by(const std::string& path) const {
-  if (layers.options.cells == LayerCells::kPrisms && !is_mixed_volume_file(path))
+  if (layers.options.cells == LayerCells::kPrisms && !is_for(path, FileUse::kWriteMixed))
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}: holds tetrahedra only; choose {}, or set {} tetrahedra", path,
-                            formats_for(MeshUse::kWriteMixed), option_name("cells")));
+                            formats_for(FileUse::kWriteMixed), option_name("cells")));
 }
 
 LayerOptions LayerRequest::with_label() const {

@@ -22,7 +22,7 @@ void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context
 }
 
 void describe_surface_output(OptionList& list, std::string& path) {
-  list.path("surface", path, "Also write the boundary alone (" + formats_for(MeshUse::kWriteSurface) + ")");
+  list.path("surface", path, "Also write the boundary alone").of_files(FileUse::kWriteSurface);
 }
 
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,

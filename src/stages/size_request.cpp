@@ -21,7 +21,7 @@ namespace {
 
 /// A file of sizes beside a mesh whose format holds none, as Medit's programs want it; "" if there is none.
 std::string solution_beside(const std::filesystem::path& mesh_path) {
-  for (const char* extension : {".sol", ".solb"}) {
+  for (const std::string_view extension : format_names(FileUse::kMetricAlone)) {
     std::filesystem::path path = mesh_path;
     path.replace_extension(extension);
     if (std::filesystem::exists(path)) return path.string();
@@ -47,7 +47,7 @@ std::unique_ptr<Sizing> read_size_mesh(const std::string& path) {
     const std::string solution = mesh.metric.empty() ? solution_beside(path) : "";
     if (mesh.metric.empty() && solution.empty())
       throw Error(ErrorKind::kBadInput, path + ": carries no sizes; give it the point array size (" +
-                                            formats_for(MeshUse::kCarryMetric) +
+                                            formats_for(FileUse::kCarryMetric) +
                                             ") in mm, a metric, or a .sol file of its name");
     sizes = lengths_of(metric_of(mesh, path, solution), solution.empty() ? path : solution);
   }
@@ -66,8 +66,9 @@ void SizeRequest::describe(OptionList& list) {
   list.of_labels("label_size", label_sizes, above(0), "Size inside a label").in("mm");
   list.path("size_points", points,
             "Elements grow with the distance to these points, by adapt_const, or in sizes from size_floor on "
-            "or of size_k points: a file (.vtp, .vtk, .vtu, .csv, .txt, .xyz), or the centerline",
-            {"centerline"});
+            "or of size_k points: those of a file, or the centerline",
+            {"centerline"})
+      .of_files(FileUse::kPoints);
   list.number("adapt_const", adapt_const, above(0),
               "Instead of sizes, the paper's algorithm 3: tetrahedra are refined that have an edge of more "
               "than so many distances from its ends to the nearest of the size_points. size_floor is a "

@@ -83,6 +83,15 @@ class OptionsTest(CommandTest):
                 with self.subTest(plane=plane, command=command[0]):
                     self.assert_refused(self.run_lumesh(*command, "--cut-plane", *plane.split()), USAGE, "--cut-plane")
 
+    def test_images_are_written_in_the_formats_of_the_list_whatever_the_case_of_the_name(self):
+        for name in ("a.NRRD", "a.nii.GZ", "a.Nii"):
+            self.run_well("phantom", "sphere", "--size", 24, "-o", self.folder / name)
+            self.assertEqual(json.loads(self.run_well("info", self.folder / name, "--json").stdout)["size_voxels"], [24, 24, 24])
+        self.assertEqual((self.folder / "a.nii.GZ").read_bytes()[:2], b"\x1f\x8b")
+        for options in (("-o", self.folder / "a.tiff"), ("-o", self.folder / "b.nrrd", "--velocity", self.folder / "v.vtu")):
+            self.assert_refused(self.run_lumesh("phantom", "carotid", *options), USAGE, "; use .")
+        self.assertFalse((self.folder / "b.nrrd").exists())
+
     def test_a_negative_number_of_tetrahedra_is_refused(self):
         result = self.run_lumesh("lattice", self.image, "-o", self.mesh, "--max-tetrahedra", "-5")
         self.assert_refused(result, USAGE, "--max-tetrahedra")
@@ -514,6 +523,18 @@ class OptionListTest(ProgramTest):
                     if option["default"] not in ("none", "off", "on"):
                         self.assertIn("=" + option["default"], words)
 
+    def test_help_lists_the_formats_of_every_use(self):
+        """Those of points and of data on them, too, and every format that is listed is taken."""
+        formats = json.loads(self.run_well("options", "--json").stdout)["formats"]
+        named = lambda use: ", ".join(name for name in formats[use] if name != ".vtk.gz" and name != ".stl.gz")
+        for command, uses in (("metric", ("points", "point data", "metric alone", "carry metric")), ("delaunay", ("points", "read image")),
+                              ("phantom", ("write image", "lines")), ("repair", ("read", "write surface")), ("centerline", ("lines",))):
+            words = " ".join(self.run_well(command, "--help").stdout.split())
+            for use in uses:
+                with self.subTest(command=command, use=use):
+                    self.assertIn(f"({named(use)})", words)
+        self.assertEqual([name for name in (".csv", ".txt", ".xyz", ".pts", ".dat") if name not in formats["points"]], [])
+
     def test_a_case_has_every_size_of_the_command_delaunay(self):
         flags = set(re.findall(r"--([a-z-]*siz[a-z-]*)", self.run_well("delaunay", "--help").stdout))
         keys = [option["name"] for option in json.loads(self.run_well("options", "--json").stdout)["delaunay"]]
@@ -533,7 +554,7 @@ class OptionListTest(ProgramTest):
                 key, _, value = line.removeprefix("# ").partition(" =")
                 text[section, key] = value.split(" # ")[0].strip().strip("'")
         for name, options in sections.items():
-            for option in options if name not in ("improve", "repair", "phantom", "convert", "merge") else []:
+            for option in options if name not in ("improve", "repair", "phantom", "convert", "merge", "formats") else []:
                 with self.subTest(section=name, option=option["name"]):
                     value = text[name, option["name"]]
                     if "words" in option:

@@ -232,6 +232,21 @@ class ChecksTest(unittest.TestCase):
         match = option_tables.BLOCK.search("<!-- options input from b to c -->\n| x |\n<!-- end of options -->")
         self.assertEqual(match.groups()[1:4], ("input", "b", "c"))
 
+    def test_option_tables_finds_formats_without_a_row_and_lists_of_no_use(self):
+        formats = {"read": [".vtu", ".vtk", ".vtk.gz", ".stl"], "read volume": [".vtu", ".vtk", ".vtk.gz"],
+                   "write": [".vtu", ".foam for OpenFOAM", "a folder NAME-mesh for X"]}
+        page = "| File | Read |\n|---|---|\n| `.vtu` | `.x` |\n| `.vtk` | also `.vtk.gz` |\n| `.foam`, `NAME-mesh` | – |\n"
+
+        def faults(text, wanted=("read volume", "write")):
+            return list(option_tables.faults_of_format_table("p", text, "| File |", [one for use in wanted for one in formats[use]]))
+
+        self.assertEqual(faults(page), [])
+        self.assertEqual(faults(page, ("read", "write")), ["p: its table of formats has no row of .stl"])
+        self.assertEqual(faults(page.replace("`.vtu`", "`.vtx`"))[1:], ["p: its table of formats has a row of .vtx, which is none"])
+        self.assertEqual(len(faults("no table")), 4)
+        for row, count in (("| `-o` | `.vtu`, `.vtk`; also `.stl` |", 0), ("| `FROM` | `.vtu`, `.stl` |", 1), ("| `x` | `.vtu`, `.stl` |", 0)):
+            self.assertEqual(len(list(option_tables.faults_of_lists("p", row, formats))), count, row)
+
     def test_sizes_finds_a_long_function(self):
         self.write("src/mesh/bad.cpp", "int long_one(int a) {\n" + "  a += 1;\n" * 90 + "  return a;\n}\n")
         self.assert_finds("check_sizes.py", "long_one has 93 lines, limit 80")

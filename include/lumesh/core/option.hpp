@@ -14,6 +14,8 @@
 #include <variant>
 #include <vector>
 
+#include "lumesh/core/file_use.hpp"
+
 namespace lumesh {
 
 /// The finite numbers that an option takes.
@@ -100,6 +102,7 @@ struct Option {
   std::optional<std::string> zero_text = {};
   double zero_value = 0;
   std::string default_text = {};  ///< Text for a number that is not given: what it is then; empty: none.
+  std::optional<FileUse> file_use = {};  ///< Use of the files that are named, whose formats the help lists.
   std::vector<std::string> excluded = {},
                            needed = {};  ///< Names of options not to be given with this one, or only with it.
 
@@ -118,6 +121,10 @@ struct Option {
   }
   Option& by_default(std::string text) {
     default_text = std::move(text);
+    return *this;
+  }
+  Option& of_files(FileUse use) {
+    file_use = use;
     return *this;
   }
   Option& excludes(std::string other) {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <string_view>
 
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
@@ -30,7 +30,7 @@ struct MeshWriteOptions {
   void describe(OptionList& list);
 };
 
-/// Writes a mesh in any format of formats_for(MeshUse::kWrite); surface formats get its boundary faces. For
+/// Writes a mesh in any format of formats_for(FileUse::kWrite); surface formats get its boundary faces. For
 /// solvers: .foam (an empty file, beside it OpenFOAM's folder constant/polyMesh, ASCII, in metres); of
 /// tetrahedra only, .xdmf with the files beside it that FEniCS reads, and SimVascular's folder under a name
 /// that ends in mesh-complete.
@@ -46,12 +46,12 @@ void write_mesh(const std::filesystem::path& path, const MeshView& mesh,
                 const MeshWriteOptions& options = {});
 
 /// Writes the boundary faces alone, with the points they use, in a format of
-/// formats_for(MeshUse::kWriteSurface). Faces are as in `mesh`; see extract_boundary() for meshes without
+/// formats_for(FileUse::kWriteSurface). Faces are as in `mesh`; see extract_boundary() for meshes without
 /// any. Errors as write_mesh().
 void write_surface(const std::filesystem::path& path, const MeshView& mesh,
                    const MeshWriteOptions& options = {});
 
-/// Reads volumes and surfaces in every format of formats_for(MeshUse::kRead).
+/// Reads volumes and surfaces in every format of formats_for(FileUse::kRead).
 ///
 /// Cells keep the order of the file, in VTK's vertex order. Labels come from `label` or another program's
 /// array (docs/stages/convert.md); 1 if there is none. The metric is the point array `metric` of .vtu and
@@ -61,35 +61,8 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 /// Memory: the file, and the mesh.
 [[nodiscard]] MixedMesh read_mesh(const std::filesystem::path& path);
 
-/// Uses of files of meshes, and of metrics beside them.
-enum class MeshUse : std::uint8_t {
-  kRead,          ///< read_mesh().
-  kReadVolume,    ///< Reading where cells are wanted.
-  kWrite,         ///< write_mesh().
-  kWriteVolume,   ///< Writing of the volume, not the boundary alone.
-  kWriteMixed,    ///< Such a volume of prisms and pyramids, too, not of tetrahedra alone.
-  kWriteSurface,  ///< write_surface().
-  kCarryMetric,   ///< A metric or sizes in the mesh's own file.
-  kMetricAlone,   ///< read_metric() and write_metric().
-};
-
-/// Whether a file of this name can be used so.
-[[nodiscard]] bool is_for(const std::filesystem::path& path, MeshUse use);
-
-/// The formats that can be used so, for help and messages: ".vtu, .vtk or .foam for OpenFOAM".
-[[nodiscard]] std::string formats_for(MeshUse use, std::string_view before_last = ", ");
-
 [[nodiscard]] inline bool is_mesh_file(const std::filesystem::path& path) {
-  return is_for(path, MeshUse::kRead);
-}
-[[nodiscard]] inline bool is_volume_file(const std::filesystem::path& path) {
-  return is_for(path, MeshUse::kWriteVolume);
-}
-[[nodiscard]] inline bool is_mixed_volume_file(const std::filesystem::path& path) {
-  return is_for(path, MeshUse::kWriteMixed);
-}
-[[nodiscard]] inline bool is_surface_file(const std::filesystem::path& path) {
-  return is_for(path, MeshUse::kWriteSurface);
+  return is_for(path, FileUse::kRead);
 }
 /// True for a file name under which write_mesh() makes a folder, and replaces one that holds a mesh.
 [[nodiscard]] bool is_mesh_folder(const std::filesystem::path& path);

@@ -31,7 +31,7 @@ namespace lumesh {
 
 /// True if the name ends as those of files that write_metric() writes.
 [[nodiscard]] inline bool is_metric_file(const std::filesystem::path& path) {
-  return is_for(path, MeshUse::kMetricAlone);
+  return is_for(path, FileUse::kMetricAlone);
 }
 
 /// Writes .sol, or .solb of version 2 (3 above 2 GiB), in double precision: read_metric() gives the same

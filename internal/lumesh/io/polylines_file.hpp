@@ -2,22 +2,16 @@
 /// @file Centerlines and streamlines from and to VTK's PolyData files.
 
 #include <filesystem>
-#include <string_view>
 
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/polylines.hpp"
 
 namespace lumesh {
 
-/// Ending of the names of files of lines.
-inline constexpr std::string_view kLinesFormat = ".vtp";
-/// @throws Error{kUsage} for names with another one.
-void check_lines_file(const std::filesystem::path& path);
-
 /// Writes a .vtp file of lines with float64 point arrays; unit, frame and provenance of `info` as field data.
 /// Written beside the target and renamed when complete.
-/// @throws what check_lines_file() throws, and Error{kBadInput} if the file cannot be written; nothing is
-/// left behind then.
+/// @throws Error{kUsage} for names of other files, and Error{kBadInput} if the file cannot be written;
+/// nothing is left behind then.
 void write_polylines(const std::filesystem::path& path, const Polylines& lines, const MeshInfo& info = {});
 
 /// Reads the lines and the point arrays with one or three components of a .vtp file.

@@ -277,36 +277,45 @@ TEST(InvertedCells, AreCountedForEveryShape) {
 }
 
 TEST(MeshFormats, OfVolumesAreReadBackAsTheListSays) {
-  std::istringstream list(formats_for(MeshUse::kReadVolume));
+  std::istringstream list(formats_for(FileUse::kReadVolume));
   const MixedMesh mesh = every_cell_shape();
   const TemporaryFolder folder;
   int count = 0;
   for (std::string name; std::getline(list >> std::ws, name, ','); ++count) {
     const std::filesystem::path file = folder / ("a" + name);
-    EXPECT_TRUE(is_for(file, MeshUse::kWriteMixed)) << name;
+    EXPECT_TRUE(is_for(file, FileUse::kWriteMixed)) << name;
     write_mesh(file, mesh.view());
     EXPECT_EQ(read_mesh(file).view().cell_count(), mesh.view().cell_count()) << name;
   }
   EXPECT_EQ(count, 5);
 }
 
+TEST(MeshFormats, EveryUseListsItsFormatsAndRefusesOthersAlike) {
+  for (const auto& [use, words] : file_uses()) {
+    EXPECT_FALSE(format_names(use).empty()) << words;
+    const std::string fault = fixtures::error_of([&, kind = use] { require_format("a.pdf", kind); });
+    EXPECT_EQ(fault.find("a.pdf: unknown "), 0U) << fault;
+    EXPECT_TRUE(fault.ends_with("; use " + formats_for(use, " or "))) << fault;
+  }
+}
+
 TEST(MeshFormats, EachNameServesWhatItsFormatHolds) {
-  EXPECT_TRUE(is_for("a.VTU", MeshUse::kCarryMetric));
-  EXPECT_TRUE(is_for("a.foam", MeshUse::kWriteMixed));
-  EXPECT_FALSE(is_for("a.foam", MeshUse::kRead));
-  EXPECT_TRUE(is_for("a.xdmf", MeshUse::kWriteVolume));
-  EXPECT_FALSE(is_for("a.xdmf", MeshUse::kWriteMixed));
-  EXPECT_TRUE(is_for("a-mesh-complete/", MeshUse::kWriteVolume));
-  EXPECT_FALSE(is_for("a-mesh-complete", MeshUse::kWriteMixed));
-  EXPECT_TRUE(is_for("a.vtk.gz", MeshUse::kRead));
-  EXPECT_FALSE(is_for("a.vtk.gz", MeshUse::kWrite));
-  EXPECT_TRUE(is_for("a.stl", MeshUse::kWrite));
-  EXPECT_FALSE(is_for("a.stl", MeshUse::kWriteVolume));
-  EXPECT_TRUE(is_for("a.sol", MeshUse::kMetricAlone));
-  EXPECT_FALSE(is_for("a.sol", MeshUse::kRead));
+  EXPECT_TRUE(is_for("a.VTU", FileUse::kCarryMetric));
+  EXPECT_TRUE(is_for("a.foam", FileUse::kWriteMixed));
+  EXPECT_FALSE(is_for("a.foam", FileUse::kRead));
+  EXPECT_TRUE(is_for("a.xdmf", FileUse::kWriteVolume));
+  EXPECT_FALSE(is_for("a.xdmf", FileUse::kWriteMixed));
+  EXPECT_TRUE(is_for("a-mesh-complete/", FileUse::kWriteVolume));
+  EXPECT_FALSE(is_for("a-mesh-complete", FileUse::kWriteMixed));
+  EXPECT_TRUE(is_for("a.vtk.gz", FileUse::kRead));
+  EXPECT_FALSE(is_for("a.vtk.gz", FileUse::kWrite));
+  EXPECT_TRUE(is_for("a.stl", FileUse::kWrite));
+  EXPECT_FALSE(is_for("a.stl", FileUse::kWriteVolume));
+  EXPECT_TRUE(is_for("a.sol", FileUse::kMetricAlone));
+  EXPECT_FALSE(is_for("a.sol", FileUse::kRead));
   for (const char* unknown : {"a", "a.", "a/", "vtu", "a.vtu.gz"})
-    EXPECT_FALSE(is_for(unknown, MeshUse::kRead) || is_for(unknown, MeshUse::kWrite)) << unknown;
-  EXPECT_EQ(formats_for(MeshUse::kWriteSurface, " or "), ".vtp, .stl or .off");
+    EXPECT_FALSE(is_for(unknown, FileUse::kRead) || is_for(unknown, FileUse::kWrite)) << unknown;
+  EXPECT_EQ(formats_for(FileUse::kWriteSurface, " or "), ".vtp, .stl or .off");
 }
 
 }  // namespace

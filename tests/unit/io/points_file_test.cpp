@@ -32,6 +32,17 @@ TEST_F(PointsFile, TextSeparatesNumbersByBlanksCommasAndSemicolons) {
   EXPECT_EQ(read("a.txt", "1;-2.5;3\n\n4;5;600"), kTwo);
 }
 
+TEST_F(PointsFile, TextHasEveryEndingOfTheList) {
+  int count = 0;
+  for (const std::string_view ending : format_names(FileUse::kPoints)) {
+    const std::string name = "a" + std::string(ending);
+    if (is_mesh_file(name)) continue;
+    EXPECT_EQ(read(name, "1 -2.5 3\n4 5 600\n"), kTwo) << name;
+    ++count;
+  }
+  EXPECT_EQ(count, 5);
+}
+
 TEST_F(PointsFile, TextMayHoldCommentsAndMoreColumns) {
   EXPECT_EQ(read("a.dat", "# landmarks\n1 -2.5 3 0.7 neck\n#\n4 5 600 0.8 dome\n"), kTwo);
 }
