@@ -58,20 +58,21 @@ Number number_in_range(const Option& option, const std::string& text, bool is_gi
 
 /// The numbers of "X,Y,Z".
 std::vector<double> row_from(const Option& option, const std::string& text, const OptionRows& rows) {
-  std::vector<double> row;
-  std::size_t begin = 0;
-  while (begin <= text.size()) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::optional<double> number =
-        parse_number<double>(std::string_view(text).substr(begin, end - begin));
-    if (!number || !std::isfinite(*number)) break;
-    row.push_back(*number);
-    begin = end + 1;
-  }
-  if (!rows.takes(row.size()) || begin <= text.size())
+  std::optional<std::vector<double>> row = rows.row_from(text);
+  if (!row)
     refuse(option, fmt::format("\"{}\" is not {} with commas between them, such as {}", text,
                                rows.width_text(), rows.example));
-  return row;
+  return std::move(*row);
+}
+
+/// Sets what may be no value.
+template <class Set>
+void set_or_refuse(const Option& option, const Set& set) {
+  try {
+    set();
+  } catch (const Error& senseless) {
+    refuse(option, senseless.what());
+  }
 }
 
 /// Makes the option of the command line for each kind of target.
@@ -98,6 +99,11 @@ class Adder {
   }
   CLI::Option* operator()(const OptionPath& path) const {
     return text([target = path.path](const Option&, const std::string& value) { *target = value; }, "FILE");
+  }
+  CLI::Option* operator()(const OptionParsed& parsed) const {
+    return text(
+        [parsed](const Option& o, const std::string& value) { set_or_refuse(o, [&] { parsed.set(value); }); },
+        "TEXT");
   }
   CLI::Option* operator()(const OptionWord& word) const {
     CLI::Option* const made = text(
@@ -135,9 +141,8 @@ class Adder {
         "FILE=LABEL");
   }
   CLI::Option* operator()(const OptionRows& rows) const {
-    constexpr std::size_t kMaxInOneWord = 3;
-    if (rows.is_single && (rows.least == 0 || rows.least == rows.width)) return row_of_words(rows);
-    return rows.width > kMaxInOneWord ? rows_of_words(rows) : rows_of_commas(rows);
+    if (!rows.are_words()) return rows_of_commas(rows);
+    return rows.is_single ? row_of_words(rows) : rows_of_words(rows);
   }
 
  private:
@@ -172,11 +177,7 @@ class Adder {
         ->type_name(type);
   }
   void set_rows(const OptionRows& rows, const std::vector<std::vector<double>>& values) const {
-    try {
-      rows.set(values);
-    } catch (const Error& senseless) {
-      refuse(option_, senseless.what());
-    }
+    set_or_refuse(option_, [&] { rows.set(values); });
   }
   /// Exactly one row, a word for each number; a number alone fills a row without a least count.
   CLI::Option* row_of_words(const OptionRows& rows) const {
@@ -239,12 +240,6 @@ class Adder {
 };
 
 }  // namespace
-
-std::string flag_of(std::string_view name) {
-  std::string flag = "--" + std::string(name);
-  std::ranges::replace(flag, '_', '-');
-  return flag;
-}
 
 std::string flags_of(const Option& option) {
   const auto* const target = std::get_if<bool*>(&option.target);

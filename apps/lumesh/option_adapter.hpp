@@ -10,9 +10,6 @@
 
 namespace lumesh::cli {
 
-/// An option's name on the command line: "--split-above" for "split_above".
-[[nodiscard]] std::string flag_of(std::string_view name);
-
 /// The names of an option, which CLI11 takes: "--split-above,--cdff"; an alias of one letter is "-m". Of a
 /// list the alias, its singular, comes first; a switch that is on by default is "--no-NAME".
 [[nodiscard]] std::string flags_of(const Option& option);

@@ -68,6 +68,23 @@ std::string OptionRows::width_text() const {
          " numbers";
 }
 
+bool OptionRows::are_words() const {
+  constexpr std::size_t kMaxInOneWord = 3;
+  return width > kMaxInOneWord || (is_single && (least == 0 || least == width));
+}
+
+std::optional<std::vector<double>> OptionRows::row_from(std::string_view text) const {
+  std::vector<double> row;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::optional<double> number = parse_number<double>(text.substr(begin, end - begin));
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    row.push_back(*number);
+    begin = end + 1;
+  }
+  return takes(row.size()) ? std::optional(row) : std::nullopt;
+}
+
 bool Option::is_called(std::string_view text) const {
   return name == text || std::ranges::find(aliases, text) != aliases.end();
 }
@@ -111,6 +128,7 @@ std::string Option::value_text() const {
           },
           [](const OptionWord& word) { return word.words[word.get()]; },
           [](const OptionPath& path) { return or_none(*path.path); },
+          [](const OptionParsed& parsed) { return or_none(parsed.get()); },
           [&](const OptionRows& rows) {
             const auto values = rows.get();
             const auto is_zero = [](double number) { return number == 0; };

@@ -2,26 +2,43 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/parse_number.hpp"
 #include "lumesh/core/trimmed.hpp"
 #include "lumesh/domain/extension.hpp"
 
 namespace lumesh {
+namespace {
+
+[[noreturn]] void refuse_length(const std::string& text) {
+  throw Error(ErrorKind::kUsage,
+              "\"" + text + "\" is no length; give mm, such as 12.5, or local radii, such as 5r");
+}
+
+std::string text_of(const NamedLength& one) {
+  return (one.opening.empty() ? "" : one.opening + "=") + one.length.text();
+}
+
+}  // namespace
+
+std::string LocalLength::text() const {
+  return fmt::format("{}{}", value, is_in_radii ? "r" : "");
+}
+
+bool LocalLength::is_valid() const {
+  return std::isfinite(value) && value >= 0;
+}
+
 LocalLength local_length_from(const std::string& text) {
-  std::string number(trimmed(text));
-  LocalLength length;
-  length.is_in_radii = number.ends_with('r');
-  if (length.is_in_radii) number.pop_back();
-  const char* const end = number.data() + number.size();
-  const auto [rest, fault] = std::from_chars(number.data(), end, length.value);
-  if (fault != std::errc() || rest != end || !std::isfinite(length.value) || length.value < 0)
-    throw Error(ErrorKind::kUsage,
-                "\"" + text + "\" is no length; give mm, such as 12.5, or local radii, such as 5r");
+  const std::string_view whole = trimmed(text);
+  const bool is_in_radii = whole.ends_with('r');
+  const auto value = parse_number<double>(whole.substr(0, whole.size() - (is_in_radii ? 1 : 0)));
+  const LocalLength length{value.value_or(-1), is_in_radii};
+  if (!length.is_valid()) refuse_length(text);
   return length;
 }
 
@@ -77,25 +94,42 @@ void check_names_of(std::span<const NamedLength> lengths, const std::vector<std:
                       openings.empty() ? "none" : fmt::format("{}", fmt::join(openings, ", "))));
 }
 
+OptionParsed local_length_option(std::optional<LocalLength>& length) {
+  return {[&length] { return length ? length->text() : ""; },
+          [&length](const std::string& text) {
+            length.reset();
+            if (!text.empty()) length = local_length_from(text);
+          }};
+}
+
 void ExtensionOptions::describe_lengths(OptionList& list) {
-  list.text("extend", lengths,
-            "Vessels go on straight beyond their openings, by a length each: of all (5r), of some "
-            "(inlet_1=10r,outlet_2=0), or both; a number is in mm, with r in local radii")
-      .by_default("none");
+  list.parsed("extend",
+              {[this] {
+                 std::vector<std::string> texts;
+                 for (const NamedLength& one : lengths) texts.push_back(text_of(one));
+                 return fmt::format("{}", fmt::join(texts, ","));
+               },
+               [this](const std::string& text) {
+                 lengths.clear();
+                 if (!text.empty()) lengths = named_lengths_from(text);
+               }},
+              "Vessels go on straight beyond their openings, by a length each: of all (5r), of some "
+              "(inlet_1=10r,outlet_2=0), or both; a number is in mm, with r in local radii");
 }
 
 void ExtensionOptions::describe(OptionList& list) {
   describe_lengths(list);
-  list.text("extend_circle", transition,
-            "Length over which the extension's section becomes a circle of its area; 0: at once")
+  list.parsed("extend_circle", local_length_option(transition),
+              "Length over which the extension's section becomes a circle of its area; 0: at once")
       .by_default("the section is kept")
       .needs("extend");
 }
 
 void ExtensionOptions::validate() const {
-  if (is_wanted()) naming(option_name("extend"), [&] { static_cast<void>(named_lengths_from(lengths)); });
-  if (!transition.empty())
-    naming(option_name("extend_circle"), [&] { static_cast<void>(local_length_from(transition)); });
+  for (const NamedLength& one : lengths)
+    if (!one.length.is_valid()) naming(option_name("extend"), [&] { refuse_length(text_of(one)); });
+  if (transition && !transition->is_valid())
+    naming(option_name("extend_circle"), [&] { refuse_length(transition->text()); });
 }
 
 }  // namespace lumesh

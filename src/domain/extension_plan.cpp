@@ -25,10 +25,9 @@ class ExtensionPlanner {
                    const ExtensionOptions& options)
       : domain_(domain),
         openings_(openings),
-        wanted_(named_lengths_from(options.lengths)),
-        voxel_mm_(domain.frame().spacing_mm.maxCoeff()) {
-    if (!options.transition.empty()) transition_ = local_length_from(options.transition);
-  }
+        wanted_(options.lengths),
+        transition_(options.transition),
+        voxel_mm_(domain.frame().spacing_mm.maxCoeff()) {}
 
   ExtensionPlan make() {
     check_names();

@@ -151,7 +151,7 @@ void check_layer_keys(const Case& c) {
           "leave the section out");
     return;
   }
-  static_cast<void>(layer_heights(c.layers.with_label()));
+  static_cast<void>(layer_heights(c.layers.options));
 }
 
 /// The section's own checks, with its keys and as bad input.

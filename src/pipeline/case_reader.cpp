@@ -153,6 +153,16 @@ class CaseReader {
     return *array;
   }
 
+  template <class Set>
+  void set_or_refuse(const Key& key, const toml::node& node, const Set& set) const {
+    try {
+      set();
+    } catch (const Error& senseless) {
+      if (senseless.kind() != ErrorKind::kUsage) throw;  // Is a refusal of ours.
+      refuse(key, node, senseless.what());
+    }
+  }
+
   void take(const Key& key, const toml::node& node) const {
     std::visit([&](const auto& target) { set(key, node, target); }, key.option.target);
   }
@@ -223,11 +233,10 @@ class CaseReader {
       for (const toml::node& item :
            array_of(key, node, 0, fmt::format("a list of lists of {}, such as [[{}]]", width, rows.example)))
         row_of(item, fmt::format("a list of lists of {}, such as [[{}]]", width, rows.example));
-    try {
-      rows.set(values);
-    } catch (const Error& senseless) {
-      refuse(key, node, senseless.what());
-    }
+    set_or_refuse(key, node, [&] { rows.set(values); });
+  }
+  void set(const Key& key, const toml::node& node, const OptionParsed& parsed) const {
+    set_or_refuse(key, node, [&] { parsed.set(text_of(key, node)); });
   }
   void set(const Key& key, const toml::node& node, const OptionWord& word) const {
     const std::string text =
@@ -249,7 +258,8 @@ class CaseReader {
 };
 
 bool is_text(const OptionTarget& target) {
-  return std::holds_alternative<std::string*>(target) || std::holds_alternative<OptionPath>(target);
+  return std::holds_alternative<std::string*>(target) || std::holds_alternative<OptionPath>(target) ||
+         std::holds_alternative<OptionParsed>(target);
 }
 
 /// As a TOML string.

@@ -1,10 +1,8 @@
 #include "case_state.hpp"
 
-#include <fmt/ranges.h>
-
 #include "lumesh/core/version.hpp"
 #include "lumesh/parallel/ordered_tasks.hpp"
-#include "lumesh/stages/input_cuts.hpp"
+#include "lumesh/stages/provenance.hpp"
 
 namespace lumesh::pipeline {
 
@@ -46,8 +44,7 @@ MeshInfo CaseState::info() const {
                      {"command", "run"},
                      {"input", given.name},
                      {"input_sha256", input_sha256}};
-  if (!c.input.cuts.none())
-    info.provenance[kCutsKey] = fmt::format("{}", fmt::join(cut_options(c.input.cuts), " "));
+  put_cuts(c.input.cuts, info.provenance);
   return info;
 }
 

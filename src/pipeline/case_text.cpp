@@ -47,6 +47,7 @@ struct ValueText {
   }
   std::string operator()(const OptionWord& word) const { return toml_text(word.words[word.get()]); }
   std::string operator()(const OptionPath& file) const { return toml_text(*file.path); }
+  std::string operator()(const OptionParsed& parsed) const { return toml_text(parsed.get()); }
   std::string operator()(const OptionLabelledFiles& labelled) const {
     return list_of(*labelled.files,
                    [](const auto& file) { return toml_text(fmt::format("{}={}", file.first, file.second)); });

@@ -120,7 +120,7 @@ class Prediction {
     check_fits_memory(complexity);
   }
   void grow_layers() {
-    const LayerOptions options = state_.c.layers.with_label();
+    const LayerOptions& options = state_.c.layers.options;
     constexpr std::size_t kBySizes = 5;  // As in the paper, until the mesh is there.
     const std::size_t layers = options.counts_by_sizes() ? kBySizes : layer_heights(options).size();
     const bool are_prisms = options.cells == LayerCells::kPrisms,

@@ -119,7 +119,7 @@ void check_layers(CaseState& state) {
 }
 
 void make_layers(CaseState& state, report::StageReport& stage) {
-  LayerOptions options = state.c.layers.with_label();
+  LayerOptions options = state.c.layers.options;
   options.into = label_grown_into(state);
   stage.what =
       options.side == LayerSide::kInward

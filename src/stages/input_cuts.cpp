@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <sstream>
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
@@ -147,51 +146,10 @@ std::string refusal_of_cut(const LabelImage& image, const Polylines& lines, std:
   }
 }
 
-std::vector<std::string> cut_options(const InputCuts& cuts) {
-  std::vector<std::string> options;
-  for (const CutPlane& plane : cuts.planes) {
-    const Vec3 &p = plane.point_mm, &n = plane.normal;
-    options.push_back(fmt::format("--cut-plane {} {} {} {} {} {}", p.x(), p.y(), p.z(), n.x(), n.y(), n.z()));
-  }
-  for (const Vec3& p : cuts.places_mm)
-    options.push_back(fmt::format("--cut-at {},{},{}", p.x(), p.y(), p.z()));
-  const auto add = [&](const char* name, const std::string& text) {
-    std::string word = text;
-    std::erase(word, ' ');
-    if (!word.empty()) options.push_back(fmt::format("{} {}", name, word));
-  };
-  add("--clip-ends", cuts.ends);
-  add("--extend", cuts.extension.lengths);
-  add("--extend-circle", cuts.extension.transition);
-  return options;
-}
-
-std::vector<std::string> cut_options(const std::map<std::string, std::string>& provenance) {
-  auto text = provenance.find(kCutsKey);
-  if (text == provenance.end()) text = provenance.find("options");
-  if (text == provenance.end()) return {};
-  std::vector<std::string> options;
-  std::istringstream words(text->second);
-  std::string option;
-  std::size_t wanted = 0, values = 0;  // Of one cut; values of several may follow one option.
-  for (std::string word; words >> word;) {
-    if (word.starts_with("--")) {
-      option = word;
-      const bool has_one = option == "--cut-at" || option == "--clip-ends" || option.starts_with("--extend");
-      wanted = has_one ? 1 : option == "--cut-plane" ? 6 : 0;
-      values = 0;
-    } else if (wanted > 0) {
-      if (values++ % wanted == 0) options.push_back(option);
-      options.back() += " " + word;
-    }
-  }
-  return options;
-}
-
 std::vector<CutPlane> cut_off(LabelImage& image, const InputCuts& cuts, Context& context) {
   std::vector<CutPlane> planes = cuts.planes;
   for (const Vec3& place : cuts.places_mm) planes.push_back(cut_at(image, place, planes, context));
-  if (!cuts.ends.empty()) clip_ends(image, local_length_from(cuts.ends), planes, context);
+  if (cuts.ends) clip_ends(image, *cuts.ends, planes, context);
   return planes;
 }
 

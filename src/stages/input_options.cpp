@@ -170,15 +170,14 @@ void InputCuts::describe(OptionList& list) {
             "Places x, y, z: the vessel there, and no other, is cut square to its axis, and its smaller part "
             "goes")
       .in("mm");
-  list.text("clip_ends", ends,
-            "Every end of a vessel is cut off square to its axis, so far before it: a number in mm, or 1r in "
-            "local radii")
-      .by_default("none");
+  list.parsed("clip_ends", local_length_option(ends),
+              "Every end of a vessel is cut off square to its axis, so far before it: a number in mm, or 1r "
+              "in local radii");
   extension.describe(list);
 }
 
 void InputCuts::validate() const {
-  if (!ends.empty()) naming(option_name("clip_ends"), [&] { static_cast<void>(local_length_from(ends)); });
+  if (ends && !ends->is_valid()) throw Error(ErrorKind::kUsage, option_name("clip_ends") + " is no length");
   extension.validate();
 }
 

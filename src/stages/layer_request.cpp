@@ -16,19 +16,26 @@ namespace {
 
 /// Takes "wall=2", "wall" or "2" into the options; an empty text says nothing.
 void take_layer_label(const std::string& text, LayerOptions& options) {
-  if (text.empty()) return;
+  const auto refuse = [&](const std::string& why) {
+    throw Error(ErrorKind::kUsage, fmt::format("\"{}\": {}", text, why));
+  };
   const std::size_t equals = text.find('=');
   const bool has_both = equals != std::string::npos;
   const std::string number = has_both ? text.substr(equals + 1) : text;
   const std::optional<Label> label = parse_number<Label>(number);
-  if (label && *label <= 0) throw Error(ErrorKind::kBadInput, "labels are above 0");
-  if (label) options.label = *label;
+  if (label && *label <= 0) refuse("labels are above 0");
   const bool looks_like_number =
       !number.empty() && number.find_first_not_of("+-.0123456789") == std::string::npos;
-  if (equals == 0) throw Error(ErrorKind::kBadInput, "the name is missing; write NAME=NUMBER");
+  if (equals == 0) refuse("the name is missing; write NAME=NUMBER");
   if (!label && (has_both || looks_like_number))
-    throw Error(ErrorKind::kBadInput, fmt::format("\"{}\" is no whole number; write NAME=NUMBER", number));
-  if (!label || has_both) options.label_name = text.substr(0, equals);
+    refuse(fmt::format("\"{}\" is no whole number; write NAME=NUMBER", number));
+  options.label = label.value_or(0);
+  options.label_name = label && !has_both ? "" : text.substr(0, equals);
+}
+
+std::string layer_label_text(const LayerOptions& options) {
+  const std::string number = options.label == 0 ? "" : std::to_string(options.label);
+  return options.label_name + (options.label_name.empty() || number.empty() ? "" : "=") + number;
 }
 
 Label label_called(const MixedMesh& mesh, const std::string& name) {
@@ -45,13 +52,15 @@ void LayerRequest::describe(OptionList& list) {
   list.text("into", into,
             "Inwards, in a mesh of several labels: the one that is deformed, by name or number; none: the "
             "only one at the patches");
-  list.text("label", label,
-            "Label of the layers: NAME=NUMBER, NAME or NUMBER; none: vessel_wall (inwards layer), the next "
-            "free number. That of the mesh beside them makes one region of both");
+  list.parsed("label",
+              {[this] { return layer_label_text(options); },
+               [this](const std::string& text) { take_layer_label(text, options); }},
+              "Label of the layers: NAME=NUMBER, NAME or NUMBER; none: vessel_wall (inwards layer), the next "
+              "free number. That of the mesh beside them makes one region of both");
 }
 
 void LayerRequest::validate() const {
-  with_label().validate();
+  options.validate();
   if (!into.empty() && options.side == LayerSide::kOutward)
     throw Error(ErrorKind::kUsage, fmt::format("{} says which label is deformed; it needs {} inward",
                                                option_name("into"), option_name("side")));
@@ -77,14 +86,8 @@ void LayersAndExtension::require_held_by(const std::string& path) const {
                             formats_for(FileUse::kWriteMixed), option_name("cells")));
 }
 
-LayerOptions LayerRequest::with_label() const {
-  LayerOptions result = options;
-  naming(fmt::format("{} \"{}\"", option_name("label"), label), [&] { take_layer_label(label, result); });
-  return result;
-}
-
 LayerOptions LayerRequest::resolved(const MixedMesh& mesh) const {
-  LayerOptions result = with_label();
+  LayerOptions result = options;
   if (!into.empty()) result.into = naming(option_name("into"), [&] { return label_called(mesh, into); });
   return result;
 }

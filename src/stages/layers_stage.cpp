@@ -91,7 +91,7 @@ void extend_mesh(MixedMesh& mesh, const std::string& name, const ExtensionOption
                  LayerCells cells, Context& context) {
   if (!extension.is_wanted()) return;
   ExtrudedMesh extended = context.phase("extensions", [&] {
-    return naming(name, [&] { return extrude_openings(mesh, named_lengths_from(extension.lengths), cells); });
+    return naming(name, [&] { return extrude_openings(mesh, extension.lengths, cells); });
   });
   for (const std::string& note : extended.notes) context.warn(note);
   mesh = std::move(extended.mesh);

@@ -4,11 +4,30 @@
 
 #include <algorithm>
 
+#include "lumesh/core/option.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/sha256.hpp"
-#include "lumesh/stages/input_cuts.hpp"
 
 namespace lumesh {
+namespace {
+
+constexpr const char* kCutsKey = "cuts";
+
+/// Cuts of the image that a mesh was made from: as its provenance lists them, else as its options say them.
+InputCuts cuts_in(const std::map<std::string, std::string>& provenance) {
+  InputCuts cuts;
+  auto words = provenance.find(kCutsKey);
+  if (words == provenance.end()) words = provenance.find("options");
+  if (words != provenance.end()) take_option_words(words->second, options_of(cuts));
+  return cuts;
+}
+
+/// Each cut as the command line takes it: "--cut-at 1,2,3", "--cut-plane 1 2 3 0 0 1".
+std::vector<std::string> words_of(InputCuts cuts) {
+  return option_words(options_of(cuts));
+}
+
+}  // namespace
 
 std::map<std::string, std::string> provenance_of(const Making& making, const std::string& input_path,
                                                  const std::map<std::string, std::string>& before) {
@@ -20,8 +39,7 @@ std::map<std::string, std::string> provenance_of(const Making& making, const std
       {"options", making.options},
       {"input", known ? input->second : input_path},
       {"input_sha256", known ? hash->second : file_sha256(input_path)}};
-  const std::vector<std::string> cuts = cut_options(known ? before : result);
-  if (!cuts.empty()) result[kCutsKey] = fmt::format("{}", fmt::join(cuts, " "));
+  put_cuts(cuts_in(known ? before : result), result);
   return result;
 }
 
@@ -37,16 +55,18 @@ std::vector<std::string> doubts_about_image(const std::string& image_path, const
                       found, made_from->second, consequence)};
 }
 
+void put_cuts(const InputCuts& cuts, std::map<std::string, std::string>& provenance) {
+  if (!cuts.none()) provenance[kCutsKey] = fmt::format("{}", fmt::join(words_of(cuts), " "));
+}
+
 bool was_extended(const MeshInfo& info) {
-  const std::vector<std::string> made_with = cut_options(info.provenance);
-  return std::ranges::any_of(made_with,
-                             [](const std::string& option) { return option.starts_with("--extend"); });
+  return cuts_in(info.provenance).extension.is_wanted();
 }
 
 std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::string& mesh_path,
                                            const MeshInfo& info) {
-  const std::vector<std::string> made_with = cut_options(info.provenance);
-  if (cut_options(given).size() >= made_with.size()) return {};
+  const std::vector<std::string> made_with = words_of(cuts_in(info.provenance));
+  if (words_of(given).size() >= made_with.size()) return {};
   return {fmt::format(
       "{}: was made of an image that was cut or extended, and sizes are those of that image only if the same "
       "cuts are given: {}",
@@ -54,12 +74,14 @@ std::vector<std::string> doubts_about_cuts(const InputCuts& given, const std::st
 }
 
 void note_cuts(std::span<const CutPlane> planes, std::map<std::string, std::string>& provenance) {
-  InputCuts cuts;
-  cuts.planes.assign(planes.begin(), planes.end());
-  std::vector<std::string> all = cut_options(provenance);
-  for (std::string& option : cut_options(cuts))
-    if (std::ranges::find(all, option) == all.end()) all.push_back(std::move(option));
-  if (!all.empty()) provenance[kCutsKey] = fmt::format("{}", fmt::join(all, " "));
+  InputCuts cuts = cuts_in(provenance);
+  for (const CutPlane& plane : planes) {
+    const auto is_same = [&](const CutPlane& other) {
+      return other.point_mm == plane.point_mm && other.normal == plane.normal;
+    };
+    if (std::ranges::none_of(cuts.planes, is_same)) cuts.planes.push_back(plane);
+  }
+  put_cuts(cuts, provenance);
 }
 
 }  // namespace lumesh

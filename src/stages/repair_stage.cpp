@@ -4,11 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/parse_number.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/stages/input_parts.hpp"
@@ -23,20 +23,12 @@
 namespace lumesh {
 namespace {
 
-struct Length {
-  double number = 0;
-  bool is_percent = false;
-};
-
-Length parsed_length(const std::string& text) {
-  Length length;
+ShareOrLength length_from(std::string_view text) {
+  ShareOrLength length;
   length.is_percent = text.ends_with('%');
-  const char* const end = text.data() + text.size() - (length.is_percent ? 1 : 0);
-  const auto [stop, fault] = std::from_chars(text.data(), end, length.number);
-  if (fault != std::errc() || stop != end || !(length.number > 0) || !std::isfinite(length.number))
-    throw Error(ErrorKind::kUsage,
-                option_name("max_distance") +
-                    " must be a length in mm or a percentage, greater than 0, such as 0.2 or 1%");
+  if (length.is_percent) text.remove_suffix(1);
+  length.number = parse_number<double>(text).value_or(0);
+  length.validate();
   return length;
 }
 
@@ -99,9 +91,18 @@ void rebuild(const MixedMesh& given, RepairOutcome& outcome, TriangleMesh& resul
 
 }  // namespace
 
+void ShareOrLength::validate() const {
+  if (!(number > 0) || !std::isfinite(number))
+    throw Error(ErrorKind::kUsage,
+                "must be a length in mm or a percentage, greater than 0, such as 0.2 or 1%");
+}
+
 void RepairRequest::describe(OptionList& list) {
-  list.text("max_distance", max_distance,
-            "How far anything may move: a length in mm, or with % a share of the surface's diagonal");
+  list.parsed(
+      "max_distance",
+      {[this] { return fmt::format("{}{}", max_distance.number, max_distance.is_percent ? "%" : ""); },
+       [this](const std::string& text) { max_distance = length_from(text); }},
+      "How far anything may move: a length in mm, or with % a share of the surface's diagonal");
   list.choice<RepairMethod>(
       "method", method,
       {{"auto", RepairMethod::kAuto}, {"local", RepairMethod::kLocal}, {"rebuild", RepairMethod::kRebuild}},
@@ -110,12 +111,11 @@ void RepairRequest::describe(OptionList& list) {
 }
 
 void RepairRequest::validate() const {
-  (void)parsed_length(max_distance);
+  naming(option_name("max_distance"), [&] { max_distance.validate(); });
 }
 
 double RepairRequest::max_distance_mm(double diagonal_mm) const {
-  const Length length = parsed_length(max_distance);
-  return length.is_percent ? length.number / 100 * diagonal_mm : length.number;
+  return max_distance.is_percent ? max_distance.number / 100 * diagonal_mm : max_distance.number;
 }
 
 RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& request, Context& context) {

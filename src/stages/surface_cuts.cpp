@@ -202,10 +202,10 @@ void cut(const PatchedSurface& given, const InputCuts& cuts, const SurfaceDomain
   SurfaceCutter cutter(mesh, context);
   for (const CutPlane& plane : cuts.planes) cutter.cut_off_beyond(plane);
   if (!cuts.places_mm.empty()) cutter.cut_at(cuts.places_mm);
-  if (cuts.ends.empty()) return;
+  if (!cuts.ends) return;
   if (!cuts.planes.empty() || !cuts.places_mm.empty())
     ends = find_ends(PatchedSurface(surface_view(mesh), options), mesh);
-  cutter.clip_ends(local_length_from(cuts.ends), ends);
+  cutter.clip_ends(*cuts.ends, ends);
 }
 
 void extend_ends(const PatchedSurface& patched, const ExtensionOptions& extension, SurfaceInput& surface,
@@ -216,10 +216,8 @@ void extend_ends(const PatchedSurface& patched, const ExtensionOptions& extensio
                                           "`clip_ends`, which makes openings");
   surface.beginnings = openings_of(patched.flat_ends(), surface.resolution_mm);
   take_patches_of(patched, surface.mesh);
-  std::optional<LocalLength> transition;
-  if (!extension.transition.empty()) transition = local_length_from(extension.transition);
-  ExtrudedMesh made = extrude_openings(surface.mesh, named_lengths_from(extension.lengths),
-                                       LayerCells::kTetrahedra, transition);
+  ExtrudedMesh made =
+      extrude_openings(surface.mesh, extension.lengths, LayerCells::kTetrahedra, extension.transition);
   for (const std::string& note : made.notes) context.warn(note);
   surface.mesh = std::move(made.mesh);
 }
@@ -230,7 +228,7 @@ void cut_and_extend(SurfaceInput& surface, const InputCuts& cuts, const SurfaceD
                     const Context& context) {
   surface.mesh.metric.clear();
   surface.mesh.sizes_mm.clear();
-  const bool is_cut = !cuts.planes.empty() || !cuts.places_mm.empty() || !cuts.ends.empty();
+  const bool is_cut = !cuts.planes.empty() || !cuts.places_mm.empty() || cuts.ends.has_value();
   PatchedSurface patched(surface_view(surface.mesh), options);
   surface.resolution_mm = patched.resolution_mm();
   if (is_cut) {

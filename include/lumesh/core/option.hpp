@@ -61,6 +61,13 @@ struct OptionPath {
   std::vector<std::string> words;  ///< Not paths, such as "centerline".
 };
 
+/// A value of its own type that a text stands for, such as a length in mm or in radii.
+struct OptionParsed {
+  std::function<std::string()> get;  ///< The text of the value; empty for none.
+  /// @throws Error{kUsage} for texts that stand for no value; the message does not name the option.
+  std::function<void(const std::string&)> set;
+};
+
 /// Rows of so many numbers each, such as the point and normal of cut planes.
 struct OptionRows {
   std::size_t width;
@@ -76,6 +83,10 @@ struct OptionRows {
     return count <= width && count >= (least > 0 ? least : width);
   }
   [[nodiscard]] std::string width_text() const;  ///< "3 numbers", "1 to 2 numbers".
+  /// Whether the command line has the numbers of a row as words of their own, not with commas between them.
+  [[nodiscard]] bool are_words() const;
+  /// The finite numbers of "12.5,-40,8"; none of other texts, and of rows of another width.
+  [[nodiscard]] std::optional<std::vector<double>> row_from(std::string_view text) const;
 };
 
 /// Files with a label each, in the order in which they are given.
@@ -87,7 +98,7 @@ struct OptionLabelledFiles {
 /// The place where an option's value is kept. A map holds numbers of single labels.
 using OptionTarget = std::variant<bool*, int*, std::size_t*, double*, std::optional<double>*, std::string*,
                                   std::vector<int>*, std::vector<std::string>*, std::map<int, double>*,
-                                  OptionWord, OptionPath, OptionRows, OptionLabelledFiles>;
+                                  OptionWord, OptionPath, OptionParsed, OptionRows, OptionLabelledFiles>;
 
 /// One option. The functions that return the option itself complete its description.
 struct Option {
@@ -178,6 +189,9 @@ class OptionList {
                std::vector<std::string> words = {}) {
     return add({std::move(name), OptionPath{&target, std::move(words)}, {}, std::move(meaning)});
   }
+  Option& parsed(std::string name, OptionParsed target, std::string meaning) {
+    return add({std::move(name), std::move(target), {}, std::move(meaning)});
+  }
   /// FILE=LABEL each.
   Option& labelled_files(std::string name, LabelledFiles& target, std::string meaning) {
     return add({std::move(name), OptionLabelledFiles{&target}, {}, std::move(meaning)});
@@ -246,6 +260,16 @@ void require_ranges_of(const Described& described) {
   Described copy = described;
   require_ranges(options_of(copy));
 }
+
+/// Cuts and such, as words of the command line: "--cut-at 1,2,3" for each row that there is, and each value
+/// of a text. Options of other kinds are left out.
+[[nodiscard]] std::vector<std::string> option_words(const OptionList& list);
+/// Takes such words. Other options among them, and what has no sense, are skipped: the words are what a file
+/// says, which may be damaged.
+void take_option_words(const std::string& words, const OptionList& list);
+
+/// An option's name on the command line: "--split-above" for "split_above".
+[[nodiscard]] std::string flag_of(std::string_view name);
 
 /// An option's name in a message, neutral to how a front end spells it: `name`.
 [[nodiscard]] std::string option_name(std::string_view name);

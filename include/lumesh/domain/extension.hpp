@@ -2,6 +2,7 @@
 /// @file Flow extensions: vessels of an image that go on straight beyond their openings.
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 namespace lumesh {
 
 class OptionList;
+struct OptionParsed;
 
 /// A length in mm, or in radii of the vessel where it is taken.
 struct LocalLength {
@@ -20,6 +22,8 @@ struct LocalLength {
   bool is_in_radii = false;
 
   [[nodiscard]] double in_mm(double radius_mm) const { return is_in_radii ? value * radius_mm : value; }
+  [[nodiscard]] std::string text() const;  ///< "5r", "12.5".
+  [[nodiscard]] bool is_valid() const;     ///< Finite and at least 0.
 };
 
 /// The length of a text: "5r" is five radii, "12.5" as many mm.
@@ -36,6 +40,9 @@ struct NamedLength {
 /// local_length_from().
 [[nodiscard]] std::vector<NamedLength> named_lengths_from(const std::string& text);
 
+/// Option of a length in these words.
+[[nodiscard]] OptionParsed local_length_option(std::optional<LocalLength>& length);
+
 /// The length of a vessel, of which a name among several is one with another length than those of all.
 /// @param names  Of its openings. @throws Error{kBadInput} if two of them have different lengths, or for more
 /// than a thousand radii.
@@ -46,9 +53,8 @@ void check_names_of(std::span<const NamedLength> lengths, const std::vector<std:
                     const std::string& where);
 
 struct ExtensionOptions {
-  std::string lengths;  ///< For named_lengths_from(); empty: none.
-  std::string
-      transition;  ///< For local_length_from(): from the section to a circle; empty: the section is kept.
+  std::vector<NamedLength> lengths = {};       ///< None: no extension.
+  std::optional<LocalLength> transition = {};  ///< From the section to a circle; none: the section is kept.
 
   [[nodiscard]] bool is_wanted() const { return !lengths.empty(); }
   void describe(OptionList& list);

@@ -66,14 +66,14 @@ struct ImageSelection {
 
 /// Cuts of an image or a surface, and extensions beyond its openings.
 struct InputCuts {
-  std::vector<CutPlane> planes = {};  ///< Unbounded planes.
-  std::vector<Vec3> places_mm = {};   ///< Each cuts the one vessel there, square to its axis.
-  std::string ends = {};            ///< For local_length_from(): how far from each end it is cut; empty: not.
-  ExtensionOptions extension = {};  ///< Extension of what is left.
+  std::vector<CutPlane> planes = {};     ///< Unbounded planes.
+  std::vector<Vec3> places_mm = {};      ///< Each cuts the one vessel there, square to its axis.
+  std::optional<LocalLength> ends = {};  ///< How far from each end it is cut; none: not.
+  ExtensionOptions extension = {};       ///< Extension of what is left.
 
   [[nodiscard]] bool none() const { return planes.empty() && is_whole(); }
   /// True if nothing but planes, which phantoms may have too, cuts or extends.
-  [[nodiscard]] bool is_whole() const { return places_mm.empty() && ends.empty() && !extension.is_wanted(); }
+  [[nodiscard]] bool is_whole() const { return places_mm.empty() && !ends && !extension.is_wanted(); }
 
   void describe(OptionList& list);
   /// @throws Error{kUsage} that names the option.

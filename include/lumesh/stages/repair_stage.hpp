@@ -18,9 +18,18 @@ enum class RepairMethod : std::uint8_t {
   kRebuild,  ///< Anew, from winding numbers on a grid.
 };
 
+/// A length in mm, or a share of the surface's diagonal.
+struct ShareOrLength {
+  double number = 1;
+  bool is_percent = true;
+
+  /// @throws Error{kUsage} unless it is greater than 0 and finite; the message does not name the option.
+  void validate() const;
+};
+
 struct RepairRequest {
   RepairMethod method = RepairMethod::kAuto;
-  std::string max_distance = "1%";  ///< A length in mm, or a share of the surface's diagonal.
+  ShareOrLength max_distance;
 
   bool in_single_precision = false;  ///< Whether it goes into a file that rounds, .stl; no option.
 

@@ -1,7 +1,6 @@
 #pragma once
 /// @file Cuts of an image in words, places where it cannot be cut, and extensions of what was cut.
 
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,13 +35,5 @@ namespace lumesh {
 /// already. Cost: a copy of the image, and as cut_off_vessel().
 [[nodiscard]] std::string refusal_of_cut(const LabelImage& image, const Polylines& lines,
                                          std::span<const CutPlane> before, const Vec3& place_mm);
-
-/// Each cut as the command line takes it: "--cut-at 1,2,3", "--cut-plane 1 2 3 0 0 1".
-[[nodiscard]] std::vector<std::string> cut_options(const InputCuts& cuts);
-/// What cuts the image that a mesh was made from, in the same words. @param provenance  Of the mesh: "cuts",
-/// else what "options" says of them.
-[[nodiscard]] std::vector<std::string> cut_options(const std::map<std::string, std::string>& provenance);
-/// The key of that in provenances; its value has the cuts one after the other.
-inline constexpr const char* kCutsKey = "cuts";
 
 }  // namespace lumesh

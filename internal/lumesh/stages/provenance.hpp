@@ -32,6 +32,9 @@ struct Making {
                                                           const std::string& mesh_path, const MeshInfo& info,
                                                           std::string_view consequence);
 
+/// Notes the cuts of an image that a mesh is made from, if there are any, as words of the command line.
+void put_cuts(const InputCuts& cuts, std::map<std::string, std::string>& provenance);
+
 /// Whether a mesh was made of an image that was extended at openings.
 [[nodiscard]] bool was_extended(const MeshInfo& info);
 

@@ -28,6 +28,12 @@ struct StraightTube {
   }
 };
 
+ExtensionOptions extension_of(const std::string& lengths, const std::string& transition) {
+  ExtensionOptions options{named_lengths_from(lengths)};
+  if (!transition.empty()) options.transition = local_length_from(transition);
+  return options;
+}
+
 struct Extended {
   LabelImage before;
   ImageDomain domain;
@@ -40,7 +46,7 @@ struct Extended {
       : before(std::move(image)),
         domain(before, {{}, cuts}),
         openings(find_openings(domain)),
-        result(extend_openings(before, domain, openings, {lengths, transition})) {
+        result(extend_openings(before, domain, openings, extension_of(lengths, transition))) {
     for (const Opening& end : find_openings(*result.domain)) ends[end.name] = end;
   }
 };

@@ -186,7 +186,8 @@ TEST_F(CaseFile, ReadsLayersWithTheNamesOfTheOptions) {
   EXPECT_EQ(o.side, LayerSide::kInward);
   EXPECT_EQ(o.cells, LayerCells::kPrisms);
   EXPECT_EQ(o.scale, HeightScale::kRadius);
-  EXPECT_EQ(c.layers.label, "blood=4");
+  EXPECT_EQ(o.label, 4);
+  EXPECT_EQ(o.label_name, "blood");
   EXPECT_EQ(case_text(read(case_text(c))), case_text(c));
   EXPECT_FALSE(read("[input]\nphantom = \"torus\"\n").layers.is_wanted());
 }
@@ -206,9 +207,9 @@ TEST_F(CaseFile, RefusesLayersThatCannotBe) {
   begins("first_height = 0.1\ngrowth = 0.9\nthickness = 1\n",
          "a.toml: a growth below 1 needs the number of layers, [layers] count");
   begins("first_height = 0.1\ncount = 2\nlabel = \"wall=x\"\n",
-         "a.toml: [layers] label \"wall=x\": \"x\" is no whole number");
+         "a.toml:6: [layers] label \"wall=x\": \"x\" is no whole number");
   begins("first_height = 0.1\ncount = 2\nlabel = \"-1\"\n",
-         "a.toml: [layers] label \"-1\": labels are above 0");
+         "a.toml:6: [layers] label \"-1\": labels are above 0");
   begins("first_height = 0.1\ncount = 201\n",
          "a.toml:5: [layers] count must lie between 1 and 200, or 0, not at 201");
   begins("first_height = 0.1\ncount = 2\ncells = \"hexes\"\n",

@@ -178,7 +178,8 @@ TEST_F(WholeCase, LayersWithinTheMeshLeaveItsVolumeAndHaveALabelOfTheirOwn) {
   case_.layers.options.count = 2;
   case_.layers.options.side = LayerSide::kInward;
   case_.layers.options.cells = LayerCells::kPrisms;
-  case_.layers.label = "blood=5";
+  case_.layers.options.label = 5;
+  case_.layers.options.label_name = "blood";
   const CaseResult result = run();
   const report::StageReport& last = result.report.stages.back();
   EXPECT_EQ(last.name, "Boundary layers");

@@ -77,11 +77,12 @@ TEST(DomainRead, AxesEndInTheOpeningsOfWhatIsCutAndExtended) {
     EXPECT_TRUE(has_tip_at(survey.axes, lines[1], given.openings()[2])) << what;
     EXPECT_TRUE(vessel_ends(survey.axes, 1, given.openings()).empty()) << what;
   };
-  expect_between_openings({.ends = "1r"}, "clipped ends");
+  expect_between_openings({.ends = local_length_from("1r")}, "clipped ends");
   expect_between_openings({.places_mm = {Vec3(19.7, 20.1, 12)}}, "one cut");
   expect_between_openings({.planes = {{Vec3(0, 0, 66.3), Vec3(0, 0.1, 2)}}}, "a plane");
-  expect_between_openings({.extension = {"3r", ""}}, "extensions");
-  expect_between_openings({.ends = "1r", .extension = {"3r", ""}}, "clipped ends with extensions");
+  expect_between_openings({.extension = {named_lengths_from("3r"), {}}}, "extensions");
+  expect_between_openings({.ends = local_length_from("1r"), .extension = {named_lengths_from("3r"), {}}},
+                          "clipped ends with extensions");
 }
 
 TEST(DomainRead, ErrorsNameTheFile) {

@@ -25,7 +25,7 @@ TEST(EvaluationInput, ThePhantomIsTheTruthOfAWholeObjectOnlyWhichPlanesLeave) {
     return evaluation_input(nullptr, nullptr, &phantom, cuts, cuts.planes, {}).phantom;
   };
   EXPECT_EQ(truth(), &phantom);
-  cuts.ends = "1r";
+  cuts.ends = local_length_from("1r");
   EXPECT_EQ(truth(), nullptr);
 }
 

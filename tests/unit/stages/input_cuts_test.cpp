@@ -10,6 +10,7 @@
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/domain/vessel_cut.hpp"
+#include "lumesh/stages/provenance.hpp"
 
 namespace lumesh {
 namespace {
@@ -181,11 +182,41 @@ LabelImage tubes(const std::vector<double>& heights, double radius, bool do_meet
   });
 }
 
+TEST(InputCuts, AreNotedInMeshesAndReadBackWhateverElseStandsThere) {
+  MeshInfo info;
+  const auto told_for = [&](const InputCuts& given) {
+    const std::vector<std::string> doubts = doubts_about_cuts(given, "m", info);
+    return doubts.empty() ? "" : doubts.front().substr(doubts.front().find("given: ") + 7);
+  };
+  InputCuts cuts;
+  cuts.planes = {{{1, -2.5, 0.1}, {0, 0, 1}}, {{3, 0, 0}, {1, 0, 0}}};
+  cuts.places_mm = {{30, 10.6, -4}};
+  cuts.ends = local_length_from("1.50r");
+  cuts.extension.lengths = named_lengths_from("5r, inlet_1=12.5");
+  put_cuts(cuts, info.provenance);
+  const std::string words = info.provenance.at("cuts");
+  EXPECT_EQ(
+      words,
+      "--cut-plane 1 -2.5 0.1 0 0 1 --cut-plane 3 0 0 1 0 0 --cut-at 30,10.6,-4 --clip-ends 1.5r --extend "
+      "5r,inlet_1=12.5");
+  EXPECT_EQ(told_for({}), words);
+  EXPECT_EQ(told_for(cuts), "");
+  EXPECT_TRUE(was_extended(info));
+  note_cuts(std::vector<CutPlane>{cuts.planes[1], {{7, 0, 0}, {1, 0, 0}}}, info.provenance);
+  EXPECT_NE(told_for(cuts).find("--cut-plane 7 0 0 1 0 0"), std::string::npos);
+  EXPECT_EQ(told_for(cuts).size(), words.size() + std::string(" --cut-plane 7 0 0 1 0 0").size());
+  info.provenance = {
+      {"options",
+       "--labels 1,2 --cut-plane 1 2 3 0 0 1 4 5 6 0 0 1 7 --size 3 --cut-at x,1,2 --cut-at 1,2,3 "
+       "--extend 2r --extend --clip-ends 5q --cut-at"}};
+  EXPECT_EQ(told_for({}), "--cut-plane 1 2 3 0 0 1 --cut-plane 4 5 6 0 0 1 --cut-at 1,2,3 --extend 2r");
+}
+
 TEST(InputCuts, EndsOfEveryPieceAreClipped) {
   std::vector<std::string> warnings;
   Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
   LabelImage image = tubes({12, 40}, 5, false);
-  const std::vector<CutPlane> planes = cut_off(image, {{}, {}, "1r"}, context);
+  const std::vector<CutPlane> planes = cut_off(image, {{}, {}, local_length_from("1r")}, context);
   EXPECT_EQ(planes.size(), 4U);
   EXPECT_TRUE(warnings.empty()) << warnings.front();
   for (const Opening& opening : find_openings(ImageDomain(image, {{}, planes})))
@@ -202,7 +233,7 @@ TEST(InputCuts, AnObliqueEndIsCutBehindItsOpening) {
       const Vec3 off = p - middle;
       return (off - off.dot(along) * along).norm() < kRadius ? 1 : 0;
     });
-    const std::vector<CutPlane> planes = cut_off(image, {{}, {}, length}, context);
+    const std::vector<CutPlane> planes = cut_off(image, {{}, {}, local_length_from(length)}, context);
     EXPECT_EQ(planes.size(), 2U) << length;
     for (const Opening& opening : find_openings(ImageDomain(image, {{}, planes}))) {
       EXPECT_GT(std::abs(opening.normal.dot(along)), 0.999) << length << opening.name;
@@ -222,7 +253,7 @@ TEST(InputCuts, AnEndThatTwoVesselsShareStaysAndIsTold) {
   std::vector<std::string> warnings;
   Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
   LabelImage image = tubes({6, 66}, 5, true);
-  EXPECT_EQ(cut_off(image, {{}, {}, "1r"}, context).size(), 2U);
+  EXPECT_EQ(cut_off(image, {{}, {}, local_length_from("1r")}, context).size(), 2U);
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_NE(warnings[0].find("stays: no axis of a vessel ends there"), std::string::npos) << warnings[0];
   EXPECT_NE(warnings[0].find("(59.5, 18.0, "), std::string::npos) << warnings[0];

@@ -98,7 +98,7 @@ class SurfaceCuts : public ::testing::Test {
 TEST_F(SurfaceCuts, AnExtensionHasTheLengthAndTheSectionOfItsEnd) {
   const MixedMesh plain = read(soup_of(bent()), {}).mesh;
   InputCuts cuts;
-  cuts.extension.lengths = "5r";
+  cuts.extension.lengths = named_lengths_from("5r");
   const MixedMesh longer = read(soup_of(bent()), cuts).mesh;
   for (const std::string name : {"inlet_1", "outlet_1"}) {
     const FlatEnd before = end_named(plain, name), after = end_named(longer, name);
@@ -115,7 +115,7 @@ TEST_F(SurfaceCuts, AnExtensionHasTheLengthAndTheSectionOfItsEnd) {
 TEST_F(SurfaceCuts, CutsAndExtensionsKeepTheResolution) {
   const double plain_mm = read(soup_of(bent()), {}).domain({})->resolution_mm();
   InputCuts longer, shorter;
-  longer.extension.lengths = "20r";
+  longer.extension.lengths = named_lengths_from("20r");
   shorter.planes = {{Vec3(0, 0, 5), Vec3(0, 0, -1)}};
   for (const InputCuts& cuts : {longer, shorter}) {
     const SurfaceInput changed = read(soup_of(bent()), cuts);
@@ -148,7 +148,7 @@ TEST_F(SurfaceCuts, RowsOfAnExtensionAreAsHighAsTheWallsTriangles) {
     }
   }
   InputCuts cuts;
-  cuts.extension.lengths = "10r";
+  cuts.extension.lengths = named_lengths_from("10r");
   const SurfaceInput plain = read(fine_rim, {}), longer = read(fine_rim, cuts);
   // 20 mm in rows of 0.3 to 0.5 mm with 256 edges around one end and 32 around the other, not of the rim's
   // 0.05 mm.
@@ -159,7 +159,7 @@ TEST_F(SurfaceCuts, RowsOfAnExtensionAreAsHighAsTheWallsTriangles) {
 
 TEST_F(SurfaceCuts, WallsGoOnSmoothly) {
   InputCuts cuts;
-  cuts.extension.lengths = "3r";
+  cuts.extension.lengths = named_lengths_from("3r");
   const MixedMesh longer = read(soup_of(bent()), cuts).mesh;
   double turned_deg = 0;
   std::size_t count = 0;
@@ -196,7 +196,7 @@ TEST_F(SurfaceCuts, AnExtensionFollowsAVesselThatBendsAndTapersToAnObliqueEnd) {
   }
   InputCuts cuts;
   cuts.planes = {{Vec3(1.44, 0, 12), Vec3(0.35, 0, 1)}};
-  cuts.extension.lengths = "5r";
+  cuts.extension.lengths = named_lengths_from("5r");
   const FlatEnd end = end_named(read(vessel, cuts).mesh, "outlet_1");
   EXPECT_LT(std::acos(end.normal.dot(Vec3(0.24, 0, 1).normalized())) * 180 / kPi, 0.2);
   EXPECT_TRUE(told_.empty());
@@ -216,7 +216,7 @@ TEST_F(SurfaceCuts, AnEndThatIsClippedKeepsItsName) {
   }
   file.close();
   InputCuts cuts;
-  cuts.ends = "1r";
+  cuts.ends = local_length_from("1r");
   const SurfaceInput cut = read_surface(path, "", {}, cuts, context_);
   const auto domain = cut.domain({});
   std::set<std::string> names;
@@ -230,8 +230,8 @@ TEST_F(SurfaceCuts, ASectionBecomesACircleOfItsArea) {
     return 2 / std::sqrt(std::pow(std::cos(angle), 2) + 2 * std::pow(std::sin(angle), 2));
   };
   InputCuts cuts;
-  cuts.extension.lengths = "outlet_1=4r,inlet_1=0";
-  cuts.extension.transition = "2r";
+  cuts.extension.lengths = named_lengths_from("outlet_1=4r,inlet_1=0");
+  cuts.extension.transition = local_length_from("2r");
   const MixedMesh plain = read(soup_of(tube), {}).mesh, longer = read(soup_of(tube), cuts).mesh;
   const FlatEnd before = end_named(plain, "outlet_1"), after = end_named(longer, "outlet_1");
   EXPECT_NEAR(after.area_mm2, before.area_mm2, 1e-6 * before.area_mm2);
@@ -256,7 +256,7 @@ TEST_F(SurfaceCuts, ASectionBecomesACircleOfItsArea) {
 
 TEST_F(SurfaceCuts, EndsAreCutSquareAndSacsAreNot) {
   InputCuts cuts;
-  cuts.ends = "1r";
+  cuts.ends = local_length_from("1r");
   const MixedMesh cut = read(soup_of(bent()), cuts).mesh;
   EXPECT_NEAR(volume_of(cut), kPi * 4 * (7.5 * kPi - 2 * 2), 0.03 * kPi * 4 * 7.5 * kPi);
   for (const std::string name : {"inlet_1", "outlet_1"})
@@ -267,7 +267,7 @@ TEST_F(SurfaceCuts, EndsAreCutSquareAndSacsAreNot) {
 TEST_F(SurfaceCuts, EndsThatAPlaneMadeAreCutToo) {
   InputCuts cuts;
   cuts.planes = {{{0, 0, 15}, {0.3, 0, 1}}};
-  cuts.ends = "1r";
+  cuts.ends = local_length_from("1r");
   const MixedMesh cut = read(soup_of({}), cuts).mesh;
   EXPECT_NEAR(volume_of(cut), kPi * 4 * (15 - 2 * 2), 0.03 * kPi * 4 * 15);
   EXPECT_NEAR(end_named(cut, "inlet_1").area_mm2, kPi * 4, 0.01 * kPi * 4);
@@ -275,7 +275,7 @@ TEST_F(SurfaceCuts, EndsThatAPlaneMadeAreCutToo) {
 
 TEST_F(SurfaceCuts, TheEndGoesThoughItIsTheLargerPart) {
   InputCuts cuts;
-  cuts.ends = "12";
+  cuts.ends = local_length_from("12");
   Tube tube;
   tube.length_mm = 30;
   const MixedMesh cut = read(soup_of(tube), cuts).mesh;
@@ -286,7 +286,7 @@ TEST_F(SurfaceCuts, VesselsThatStandAloneAreAllCut) {
   TriangleSoup two = soup_of({});
   two.append(soup_of({}).moved([](const Vec3& p) { return Vec3(p + Vec3(20, 0, 0)); }));
   InputCuts ends, place;
-  ends.ends = "1r";
+  ends.ends = local_length_from("1r");
   EXPECT_NEAR(volume_of(read(two, ends).mesh), 2 * kPi * 4 * (20 - 2 * 2), 0.03 * 2 * kPi * 4 * 16);
   place.places_mm = {{20, 0, 14}};
   EXPECT_NEAR(volume_of(read(two, place).mesh), kPi * 4 * (20 + 14), 0.02 * kPi * 4 * 34);
@@ -295,7 +295,7 @@ TEST_F(SurfaceCuts, VesselsThatStandAloneAreAllCut) {
 TEST_F(SurfaceCuts, AnExtensionIsAsShortOrAsLongAsAskedOrRefused) {
   InputCuts cuts;
   for (const double length_mm : {0.3, 2.0, 90.0}) {
-    cuts.extension.lengths = std::to_string(length_mm);
+    cuts.extension.lengths = named_lengths_from(std::to_string(length_mm));
     const MixedMesh longer = read(soup_of({}), cuts).mesh;
     EXPECT_NEAR(end_named(longer, "inlet_1").centre_mm.z() - end_named(longer, "outlet_1").centre_mm.z(),
                 std::copysign(20 + 2 * length_mm, end_named(longer, "inlet_1").centre_mm.z() - 10), 1e-6)
@@ -303,7 +303,7 @@ TEST_F(SurfaceCuts, AnExtensionIsAsShortOrAsLongAsAskedOrRefused) {
   }
   EXPECT_TRUE(told_.empty());
   for (const char* const length : {"1e4r", "1e300r"}) {
-    cuts.extension.lengths = length;
+    cuts.extension.lengths = named_lengths_from(length);
     EXPECT_THROW(static_cast<void>(read(soup_of({}), cuts)), Error) << length;
   }
 }
@@ -327,7 +327,7 @@ TEST_F(SurfaceCuts, ExtensionsKeepOffOtherVessels) {
   hook.axis = [](double s) { return Vec3(8 * (1 - std::cos(s / 8)), 0, 8 * std::sin(s / 8)); };
   hook.along = [](double s) { return Vec3(std::sin(s / 8), 0, std::cos(s / 8)); };
   InputCuts cuts;
-  cuts.extension.lengths = "30r";
+  cuts.extension.lengths = named_lengths_from("30r");
   const MixedMesh longer = read(soup_of(hook), cuts).mesh;
   ASSERT_FALSE(told_.empty());
   EXPECT_NE(told_.front().find("in the way"), std::string::npos);
@@ -336,7 +336,7 @@ TEST_F(SurfaceCuts, ExtensionsKeepOffOtherVessels) {
 
 TEST_F(SurfaceCuts, WithoutAFlatEndNothingIsExtended) {
   InputCuts cuts;
-  cuts.extension.lengths = "5r";
+  cuts.extension.lengths = named_lengths_from("5r");
   try {
     static_cast<void>(read(icosphere(3, 4), cuts));
     FAIL();

@@ -1,0 +1,95 @@
+// Options as words of a command line, and back.
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <span>
+#include <sstream>
+
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
+
+namespace lumesh {
+namespace {
+
+/// The shortest text that reads as the same number.
+std::string exact_text(double number) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
+}
+
+/// Texts of the items with a character between them.
+template <class Item, class Text>
+std::string row_text(std::span<const Item> items, char between, const Text& text) {
+  std::string row;
+  for (const Item& item : items) row += (row.empty() ? std::string() : std::string(1, between)) + text(item);
+  return row;
+}
+
+/// Words of one option, of which rows come one after the other.
+void take_values(std::span<const std::string> values, const OptionRows& rows) {
+  std::vector<std::vector<double>> all = rows.get();
+  const std::size_t words = rows.are_words() ? rows.width : 1;
+  for (; values.size() >= words; values = values.subspan(words)) {
+    const std::string row = row_text(values.first(words), ',', [](const std::string& word) { return word; });
+    if (std::optional<std::vector<double>> numbers = rows.row_from(row)) all.push_back(std::move(*numbers));
+  }
+  rows.set(all);
+}
+
+void take_values(const std::vector<std::string>& values, const Option& option) {
+  if (values.empty()) return;
+  try {
+    if (const auto* const rows = std::get_if<OptionRows>(&option.target)) take_values(values, *rows);
+    if (const auto* const parsed = std::get_if<OptionParsed>(&option.target)) parsed->set(values.front());
+  } catch (const Error&) {  // No such value.
+  }
+}
+
+}  // namespace
+
+std::string flag_of(std::string_view name) {
+  std::string flag = "--" + std::string(name);
+  std::ranges::replace(flag, '_', '-');
+  return flag;
+}
+
+std::vector<std::string> option_words(const OptionList& list) {
+  std::vector<std::string> words;
+  for (const Option& option : list.all()) {
+    const std::string flag = flag_of(option.aliases.empty() ? option.name : option.aliases.front());
+    if (const auto* const rows = std::get_if<OptionRows>(&option.target))
+      for (const std::vector<double>& row : rows->get())
+        words.push_back(flag + " " +
+                        row_text(std::span<const double>(row), rows->are_words() ? ' ' : ',', exact_text));
+    if (const auto* const parsed = std::get_if<OptionParsed>(&option.target))
+      if (const std::string text = parsed->get(); !text.empty()) words.push_back(flag + " " + text);
+  }
+  return words;
+}
+
+void take_option_words(const std::string& words, const OptionList& list) {
+  std::istringstream stream(words);
+  const Option* option = nullptr;
+  std::vector<std::string> values;
+  const auto take = [&] {
+    if (option != nullptr) take_values(values, *option);
+    values.clear();
+  };
+  for (std::string word; stream >> word;) {
+    if (!word.starts_with("--")) {
+      values.push_back(word);
+      continue;
+    }
+    take();
+    const auto is_meant = [&](const Option& one) {
+      return flag_of(one.name) == word || std::ranges::any_of(one.aliases, [&](const std::string& alias) {
+               return flag_of(alias) == word;
+             });
+    };
+    const auto found = std::ranges::find_if(list.all(), is_meant);
+    option = found == list.all().end() ? nullptr : &*found;
+  }
+  take();
+}
+
+}  // namespace lumesh
