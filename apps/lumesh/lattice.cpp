@@ -4,6 +4,7 @@
 #include "common.hpp"
 #include "domain_input.hpp"
 #include "frames.hpp"
+#include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
 #include "option_adapter.hpp"

@@ -34,11 +34,6 @@ std::string help_of(const Option& option) {
   throw CLI::ValidationError(flag_of(option.name), complaint);
 }
 
-Option without_zero(Option option) {
-  option.zero_text.reset();
-  return option;
-}
-
 /// The text as a number in the option's range. 0 for what is not given is taken only where another value is
 /// the default: elsewhere leaving the option out says the same, and a 0 is a slip.
 /// @param is_given_by_default  Whether the option has a value of its own without the command line.
@@ -48,7 +43,7 @@ Number number_in_range(const Option& option, const std::string& text, bool is_gi
   if (!number) refuse(option, fmt::format("\"{}\" is not a number", text));
   if (std::is_integral_v<Number> && *number != std::floor(*number))
     refuse(option, fmt::format("\"{}\" is not a whole number", text));
-  const std::string complaint = (is_given_by_default ? option : without_zero(option)).complaint(*number);
+  const std::string complaint = (is_given_by_default ? option : option.without_zero()).complaint(*number);
   if (!complaint.empty()) refuse(option, complaint);
   if (std::is_integral_v<Number> &&
       std::abs(*number) > static_cast<double>(std::numeric_limits<Number>::max()))
@@ -187,7 +182,7 @@ class Adder {
             flags_of(option_),
             [self = *this, rows](std::vector<double> row) {
               for (const double number : row)
-                if (const std::string complaint = without_zero(self.option_).complaint(number);
+                if (const std::string complaint = self.option_.without_zero().complaint(number);
                     !complaint.empty())
                   refuse(self.option_, complaint);
               if (row.size() == 1) row.resize(rows.width, row.front());

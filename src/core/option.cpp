@@ -33,6 +33,11 @@ std::string joined_or_none(const Items& items, const Text& text) {
   return or_none(joined(items, text));
 }
 
+void require_in_range(const Option& option, double value) {
+  const std::string complaint = option.complaint(value);
+  if (!complaint.empty()) throw Error(ErrorKind::kUsage, option_name(option.name) + " " + complaint);
+}
+
 }  // namespace
 
 bool OptionRange::contains(double value) const {
@@ -87,6 +92,12 @@ std::optional<std::vector<double>> OptionRows::row_from(std::string_view text) c
 
 bool Option::is_called(std::string_view text) const {
   return name == text || std::ranges::find(aliases, text) != aliases.end();
+}
+
+Option Option::without_zero() const {
+  Option wanted = *this;
+  wanted.zero_text.reset();
+  return wanted;
 }
 
 std::string Option::complaint(double value) const {
@@ -169,16 +180,19 @@ std::string add_labelled_file(std::string_view text, LabelledFiles& files) {
 
 void require_ranges(const OptionList& list) {
   for (const Option& option : list.all()) {
-    const auto require = [&](double value) {
-      const std::string complaint = option.complaint(value);
-      if (!complaint.empty()) throw Error(ErrorKind::kUsage, option_name(option.name) + " " + complaint);
-    };
+    const auto require = [&](double value) { require_in_range(option, value); };
     if (const std::optional<double> value = option.number()) require(*value);
     if (const auto* const of_labels = std::get_if<std::map<int, double>*>(&option.target))
       for (const auto& entry : **of_labels) require(entry.second);
     if (const auto* const rows = std::get_if<OptionRows>(&option.target))
       for (const std::vector<double>& row : rows->get()) std::ranges::for_each(row, require);
   }
+}
+
+void require_given(const OptionList& list, std::string_view name) {
+  const auto at = std::ranges::find(list.all(), name, &Option::name);
+  const Option option = at->without_zero();
+  require_in_range(option, option.number().value_or(std::numeric_limits<double>::quiet_NaN()));
 }
 
 std::string option_name(std::string_view name) {

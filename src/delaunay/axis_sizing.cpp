@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +6,7 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/mesh/polylines.hpp"
 #include "lumesh/metric/point_tree.hpp"
@@ -71,11 +70,18 @@ class AxisSizing final : public Sizing {
 
 }  // namespace
 
+void describe_cells_per_diameter(OptionList& list, double& cells) {
+  list.number("cells_per_diameter", cells, between(1, 25),
+              "About so many edges along the diameter of each vessel, or more where the edge length is "
+              "shorter. The diameter is that of the axis that is the fewest of its radii away: a sac gets "
+              "the size of its vessel")
+      .zero("none");
+}
+
 std::unique_ptr<Sizing> size_from_axes(const Polylines& axes, double cells_per_diameter) {
-  if (!(cells_per_diameter > 0) || !std::isfinite(cells_per_diameter))
-    throw Error(ErrorKind::kUsage,
-                fmt::format("the cells per diameter must be a finite number greater than 0, not {:g}",
-                            cells_per_diameter));
+  OptionList list;
+  describe_cells_per_diameter(list, cells_per_diameter);
+  require_given(list, "cells_per_diameter");
   const auto radii = axes.scalars.find("radius");
   const bool are_good =
       radii != axes.scalars.end() && !axes.points.empty() && radii->second.size() == axes.points.size() &&

@@ -35,8 +35,8 @@ class ConstantSizing final : public Sizing {
 
 class LabelSizing final : public Sizing {
  public:
-  LabelSizing(const std::map<Label, double>& sizes_mm, double elsewhere_mm)
-      : sizes_mm_(sizes_mm.begin(), sizes_mm.end()), elsewhere_mm_(elsewhere_mm) {}
+  explicit LabelSizing(const LabelSizeOptions& options)
+      : sizes_mm_(options.sizes_mm.begin(), options.sizes_mm.end()), elsewhere_mm_(options.elsewhere_mm) {}
 
   [[nodiscard]] double size_at(const Vec3& /*point_mm*/, Label label) const override {
     // Images have few labels: quicker than a map.
@@ -198,6 +198,10 @@ class CombinedSizing final : public Sizing {
 
 }  // namespace
 
+void LabelSizeOptions::describe(OptionList& list) {
+  list.of_labels("label_size", sizes_mm, above(0), "Size inside a label").in("mm");
+}
+
 void PointSizeOptions::describe(OptionList& list) {
   list.number("size_k", k, between(1, 10000),
               "Nearest of these points, the mean of whose distances counts; the paper has 30")
@@ -236,10 +240,10 @@ std::unique_ptr<Sizing> constant_size(double size_mm) {
   return std::make_unique<ConstantSizing>(size_mm);
 }
 
-std::unique_ptr<Sizing> size_per_label(const std::map<Label, double>& sizes_mm, double elsewhere_mm) {
-  for (const auto& [label, size] : sizes_mm) require_size(size, fmt::format("the size of label {}", label));
-  require_size(elsewhere_mm, "the size of labels that are not named");
-  return std::make_unique<LabelSizing>(sizes_mm, elsewhere_mm);
+std::unique_ptr<Sizing> size_per_label(const LabelSizeOptions& options) {
+  require_ranges_of(options);
+  require_size(options.elsewhere_mm, "the size of labels that are not named");
+  return std::make_unique<LabelSizing>(options);
 }
 
 void require_size_points(std::span<const Vec3> points_mm) {
@@ -251,7 +255,7 @@ void require_size_points(std::span<const Vec3> points_mm) {
 
 std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm, const PointSizeOptions& options) {
   options.validate();
-  if (options.k <= 1) require_size(options.floor_mm, option_name("size_floor"));
+  if (options.k <= 1) require_given_of(options, "size_floor");
   require_size_points(points_mm);
   if (options.k > 1) return std::make_unique<MeanDistanceSizing>(points_mm, options);
   return std::make_unique<PointSizing>(points_mm, options);
@@ -259,7 +263,7 @@ std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm, const 
 
 std::unique_ptr<Sizing> size_from_boundary(const Domain& domain, const BoundarySizeOptions& options) {
   require_ranges_of(options);
-  require_size(options.at_boundary_mm, option_name("size_boundary"));
+  require_given_of(options, "size_boundary");
   require_size(options.ceiling_mm, "the size ceiling");
   return std::make_unique<BoundarySizing>(domain, options);
 }

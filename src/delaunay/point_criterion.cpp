@@ -91,12 +91,22 @@ class PointCriterion final : public Sizing {
 
 }  // namespace
 
+void PointCriterionOptions::describe(OptionList& list) {
+  list.number("adapt_const", adapt_const, above(0),
+              "Instead of sizes, the paper's algorithm 3: tetrahedra are refined that have an edge of more "
+              "than so many distances from its ends to the nearest of the size_points. size_floor is a "
+              "length below which edges stay")
+      .zero("2 without size_floor and size_k")
+      .needs("size_points")
+      .excludes("size_k")
+      .excludes("size_factor")
+      .excludes("size_ceiling");
+}
+
 std::unique_ptr<Sizing> criterion_from_points(std::span<const Vec3> points_mm,
                                               const PointCriterionOptions& options) {
   require_size_points(points_mm);
-  if (!(options.adapt_const > 0) || !std::isfinite(options.adapt_const))
-    throw Error(ErrorKind::kUsage, fmt::format("{} must be a finite number greater than 0, not {:g}",
-                                               option_name("adapt_const"), options.adapt_const));
+  require_given_of(options, "adapt_const");
   return std::make_unique<PointCriterion>(points_mm, options);
 }
 

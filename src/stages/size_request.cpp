@@ -63,21 +63,13 @@ std::unique_ptr<Sizing> read_size_image(const std::string& path, Context& contex
 }  // namespace
 
 void SizeRequest::describe(OptionList& list) {
-  list.of_labels("label_size", label_sizes, above(0), "Size inside a label").in("mm");
+  label_sizes.describe(list);
   list.path("size_points", points,
             "Elements grow with the distance to these points, by adapt_const, or in sizes from size_floor on "
             "or of size_k points: those of a file, or the centerline",
             {"centerline"})
       .of_files(FileUse::kPoints);
-  list.number("adapt_const", adapt_const, above(0),
-              "Instead of sizes, the paper's algorithm 3: tetrahedra are refined that have an edge of more "
-              "than so many distances from its ends to the nearest of the size_points. size_floor is a "
-              "length below which edges stay")
-      .zero("2 without size_floor and size_k")
-      .needs("size_points")
-      .excludes("size_k")
-      .excludes("size_factor")
-      .excludes("size_ceiling");
+  criterion.describe(list);
   point_sizes.describe(list);
   boundary.describe(list);
   list.path("size_image", image, "Image of sizes in mm; 0: any size");
@@ -90,21 +82,13 @@ void SizeRequest::validate() const {
   require_ranges_of(*this);
   const bool has_ceiling = point_sizes.ceiling_mm < kAnySize;
   const bool has_sizes = point_sizes.k == 1 || point_sizes.factor != 1 || has_ceiling;
-  if (has_sizes && adapt_const == 0 && point_sizes.k <= 1 && point_sizes.floor_mm == 0)
+  if (has_sizes && criterion.adapt_const == 0 && point_sizes.k <= 1 && point_sizes.floor_mm == 0)
     throw Error(ErrorKind::kUsage, fmt::format("{} needs {}, the least size in mm, or {} of 2 or more",
                                                option_name(has_ceiling          ? "size_ceiling"
                                                            : point_sizes.k == 1 ? "size_k"
                                                                                 : "size_factor"),
                                                option_name("size_floor"), option_name("size_k")));
   point_sizes.validate();
-}
-
-void describe_cells_per_diameter(OptionList& list, double& cells) {
-  list.number("cells_per_diameter", cells, between(1, 25),
-              "About so many edges along the diameter of each vessel, or more where the edge length is "
-              "shorter. The diameter is that of the axis that is the fewest of its radii away: a sac gets "
-              "the size of its vessel")
-      .zero("none");
 }
 
 SizeData::SizeData(SizeRequest request, Context& context) : request_(std::move(request)) {
@@ -118,24 +102,26 @@ SizeData::SizeData(SizeRequest request, Context& context) : request_(std::move(r
 
 std::unique_ptr<Sizing> SizeData::on(const Domain& domain, const Polylines& axes) && {
   if (request_.cells_per_diameter > 0) parts_.push_back(size_from_axes(axes, request_.cells_per_diameter));
-  if (!request_.label_sizes.empty()) {
+  if (const auto& sizes_mm = request_.label_sizes.sizes_mm; !sizes_mm.empty()) {
     std::vector<Label> labels;
     for (Material m = 1; m < domain.label_count(); ++m) labels.push_back(domain.label_of(m));
     std::ranges::sort(labels);
-    require_labels(option_name("label_size"), request_.label_sizes, labels);
+    require_labels(option_name("label_size"), sizes_mm, labels);
     parts_.push_back(size_per_label(request_.label_sizes));
   }
   if (!request_.points.empty()) {
     const bool has_criterion = request_.has_point_criterion();
-    constexpr double kBound = 0.5;  // Of the resolution, where a criterion has no end.
     request_.point_sizes.region_mm = domain.bounds_mm();
     const std::vector<Vec3>& points = request_.points == "centerline" ? axes.points : points_;
     parts_.push_back(naming(request_.points, [&] {
       if (!has_criterion) return size_from_points(points, request_.point_sizes);
-      const double wanted = request_.adapt_const;
-      return criterion_from_points(
-          points, {wanted > 0 ? wanted : SizeRequest::kAdaptConst, request_.point_sizes.floor_mm,
-                   kBound * domain.resolution_mm(), domain.bounds_mm()});
+      constexpr double kBound = 0.5;  // Of the resolution, where a criterion has no end.
+      PointCriterionOptions criterion = request_.criterion;
+      if (criterion.adapt_const == 0) criterion.adapt_const = PointCriterionOptions().adapt_const;
+      criterion.floor_mm = request_.point_sizes.floor_mm;
+      criterion.bound_mm = kBound * domain.resolution_mm();
+      criterion.region_mm = domain.bounds_mm();
+      return criterion_from_points(points, criterion);
     }));
   }
   if (request_.boundary.at_boundary_mm > 0) parts_.push_back(size_from_boundary(domain, request_.boundary));

@@ -148,6 +148,8 @@ struct Option {
   }
 
   [[nodiscard]] bool is_called(std::string_view text) const;
+  /// The option where the 0 of what is not given is none of its values.
+  [[nodiscard]] Option without_zero() const;
   /// Fault of a number: "must lie between 1 and 3, not at 5"; empty if there is none.
   [[nodiscard]] std::string complaint(double value) const;
   /// Range and unit in words: "mm, at least 0".
@@ -259,6 +261,14 @@ template <class Described>
 void require_ranges_of(const Described& described) {
   Described copy = described;
   require_ranges(options_of(copy));
+}
+
+/// @throws Error{kUsage} if the number of this option is out of its range, or not given.
+void require_given(const OptionList& list, std::string_view name);
+template <class Described>
+void require_given_of(const Described& described, std::string_view name) {
+  Described copy = described;
+  require_given(options_of(copy), name);
 }
 
 /// Cuts and such, as words of the command line: "--cut-at 1,2,3" for each row that there is, and each value

@@ -45,9 +45,15 @@ inline constexpr double kAnySize = std::numeric_limits<double>::infinity();
 /// One size everywhere. Cost of a call: 3 ns.
 [[nodiscard]] std::unique_ptr<Sizing> constant_size(double size_mm);
 
-/// One size per label; labels that are not named get `elsewhere_mm`. Cost of a call: 4 ns.
-[[nodiscard]] std::unique_ptr<Sizing> size_per_label(const std::map<Label, double>& sizes_mm,
-                                                     double elsewhere_mm = kAnySize);
+struct LabelSizeOptions {
+  std::map<Label, double> sizes_mm = {};  ///< Sizes > 0 inside labels.
+  double elsewhere_mm = kAnySize;         ///< Size inside the labels that are not named.
+
+  void describe(OptionList& list);  ///< Describes the sizes of labels that are named.
+};
+
+/// One size per label. Cost of a call: 4 ns.
+[[nodiscard]] std::unique_ptr<Sizing> size_per_label(const LabelSizeOptions& options);
 
 struct PointSizeOptions {
   int k = 1;                     ///< Nearest points whose mean distance counts; 0: 1.
@@ -69,11 +75,13 @@ struct PointSizeOptions {
                                                        const PointSizeOptions& options);
 
 struct PointCriterionOptions {
-  double adapt_const = 2;  ///< Largest metric length of an edge, > 0.
+  double adapt_const = 2;  ///< Largest metric length of an edge, > 0; 2 is the paper's.
   double floor_mm = 0;     ///< Edges need not be shorter; 0: the criterion alone says how short.
   double bound_mm =
       0;  ///< Taken as the floor, with a warning, where there is none and the criterion has no end.
   Box3 region_mm = {};  ///< As PointSizeOptions::region_mm.
+
+  void describe(OptionList& list);  ///< Describes adapt_const.
 };
 
 /// No size, but a criterion for tetrahedra: an edge may be `adapt_const` long in the mean of the tensors of
@@ -112,6 +120,9 @@ struct SizeImage {
 /// @param background  Compact. @param sizes_mm  One per vertex, > 0 and finite.
 /// Cost of a call: about 1 us; 1 us more outside the mesh.
 [[nodiscard]] std::unique_ptr<Sizing> size_from_mesh(TetMesh background, std::span<const double> sizes_mm);
+
+/// Option of size_from_axes(), which meshers have that make sizes of their own of it, too; 0: not given.
+void describe_cells_per_diameter(OptionList& list, double& cells);
 
 /// A given number of edges along the diameter of the vessel: 2 r / cells, with the radius r of the axis that
 /// is the fewest of its radii away. A sac has the size of the vessel that it hangs on. Cost of a call: about

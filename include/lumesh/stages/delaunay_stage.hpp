@@ -22,10 +22,11 @@ struct Polylines;
 
 /// Sizes from place to place, besides those of the mesher's own options.
 struct SizeRequest {
-  std::map<Label, double> label_sizes;
+  LabelSizeOptions label_sizes;
   std::string points;                       ///< A path, or "centerline"; empty: none.
   PointSizeOptions point_sizes = {.k = 0};  ///< k 0: not given, 1.
-  double adapt_const = 0;        ///< 0: kAdaptConst where neither floor nor k make sizes of the points.
+  /// adapt_const 0: the usual one where neither floor nor k make sizes of the points; the rest is filled in.
+  PointCriterionOptions criterion = {.adapt_const = 0};
   BoundarySizeOptions boundary;  ///< Not wanted while the size there is 0.
   std::string image, mesh;       ///< Paths.
   std::string plugin;            ///< PATH[:OPTIONS].
@@ -38,15 +39,12 @@ struct SizeRequest {
   [[nodiscard]] bool needs_axes() const { return points == "centerline" || cells_per_diameter > 0; }
   /// Whether the points give a criterion (criterion_from_points()) and no sizes.
   [[nodiscard]] bool has_point_criterion() const {
-    return !points.empty() && (adapt_const > 0 || (point_sizes.floor_mm == 0 && point_sizes.k == 0));
+    return !points.empty() &&
+           (criterion.adapt_const > 0 || (point_sizes.floor_mm == 0 && point_sizes.k == 0));
   }
-  static constexpr double kAdaptConst = 2;  ///< The paper's.
   /// The path of the plugin, without its options.
   [[nodiscard]] std::string plugin_path() const { return plugin.substr(0, plugin.find(':')); }
 };
-
-/// Edges along the diameter of vessels, an option of both meshers.
-void describe_cells_per_diameter(OptionList& list, double& cells);
 
 /// Data that the request names, once its files are read.
 class SizeData {

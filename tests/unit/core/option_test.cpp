@@ -168,6 +168,18 @@ TEST(OptionValue, NumbersOfLabelsAreReadOrRefused) {
   EXPECT_EQ(basket.prices.size(), 1U);
 }
 
+TEST(OptionValue, WhatIsNotGivenIsRefusedWhereItIsWanted) {
+  double given = 0;
+  OptionList list;
+  list.number("length", given, above(0), "A length").zero("none");
+  EXPECT_NO_THROW(require_ranges(list));
+  EXPECT_THROW(require_given(list, "length"), Error);
+  given = 3;
+  EXPECT_NO_THROW(require_given(list, "length"));
+  given = -3;
+  EXPECT_THROW(require_given(list, "length"), Error);
+}
+
 TEST(OptionNames, MessagesAreSpelledAsFrontEndsSpellThem) {
   const auto flags = [](std::string_view name) { return name == "weight" ? std::string("--weight") : ""; };
   EXPECT_EQ(with_spelled_options("lower " + option_name("weight") + "!", flags), "lower --weight!");

@@ -43,11 +43,11 @@ double distance_by_trying_all(const std::vector<Vec3>& points, const Vec3& x) {
 }
 
 TEST(BuiltInSizing, LabelsHaveTheirOwn) {
-  const auto sizing = size_per_label({{2, 0.4}, {7, 1.5}});
+  const auto sizing = size_per_label({{{2, 0.4}, {7, 1.5}}});
   EXPECT_EQ(sizing->size_at({1, 2, 3}, 2), 0.4);
   EXPECT_EQ(sizing->size_at({1, 2, 3}, 7), 1.5);
   EXPECT_EQ(sizing->size_at({1, 2, 3}, 1), kAnySize);
-  EXPECT_EQ(size_per_label({{2, 0.4}}, 3)->size_at({1, 2, 3}, 1), 3);
+  EXPECT_EQ(size_per_label({{{2, 0.4}}, 3})->size_at({1, 2, 3}, 1), 3);
 }
 
 TEST(BuiltInSizing, GrowsWithTheDistanceToPoints) {
@@ -150,7 +150,8 @@ TEST(BuiltInSizing, AxesGiveSoManyCellsAcrossTheirVessel) {
   const auto forked = size_from_axes(axes, 8);
   EXPECT_DOUBLE_EQ(forked->size_at({5.3, 0.6, 0}, 1), 0.5) << "in the parent";
   EXPECT_DOUBLE_EQ(forked->size_at({5.1, 4.8, 0}, 1), 0.0625) << "in the branch";
-  EXPECT_THROW(static_cast<void>(size_from_axes(axes, 0)), Error);
+  for (const double outside : {0.0, 0.5, 26.0})
+    EXPECT_THROW(static_cast<void>(size_from_axes(axes, outside)), Error) << outside;
   axes.scalars["radius"][3] = 0;
   EXPECT_THROW(static_cast<void>(size_from_axes(axes, 8)), Error);
   EXPECT_THROW(static_cast<void>(size_from_axes({}, 8)), Error);
@@ -207,7 +208,7 @@ TEST(BuiltInSizing, AMeshInterpolatesLogarithmsOfSizes) {
 TEST(BuiltInSizing, TheSmallestOfSeveralCounts) {
   std::vector<std::unique_ptr<Sizing>> parts;
   parts.push_back(constant_size(2));
-  parts.push_back(size_per_label({{3, 0.5}}));
+  parts.push_back(size_per_label({{{3, 0.5}}}));
   const auto sizing = combined_size(std::move(parts));
   EXPECT_EQ(sizing->size_at({0, 0, 0}, 3), 0.5);
   EXPECT_EQ(sizing->size_at({0, 0, 0}, 1), 2);
@@ -238,7 +239,7 @@ TEST(BuiltInSizing, ParametersThatMakeNoSenseAreRefused) {
   const std::vector<Vec3> one = {Vec3::Zero()};
   EXPECT_THROW(static_cast<void>(constant_size(0)), Error);
   EXPECT_THROW(static_cast<void>(constant_size(nan)), Error);
-  EXPECT_THROW(static_cast<void>(size_per_label({{1, -1.0}})), Error);
+  EXPECT_THROW(static_cast<void>(size_per_label({{{1, -1.0}}})), Error);
   EXPECT_THROW(static_cast<void>(size_from_points(one, {})), Error) << "without a floor sizes would be 0";
   EXPECT_THROW(static_cast<void>(size_from_points(one, {.floor_mm = 2, .ceiling_mm = 1})), Error);
   EXPECT_THROW(static_cast<void>(size_from_points(one, {.factor = 0, .floor_mm = 2})), Error);
