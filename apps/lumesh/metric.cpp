@@ -40,12 +40,12 @@ void run(const MetricCommand& command) {
     else
       write_mesh(output_path, made.mesh.view());
   });
-  if (!made.unmet.empty()) context.warn(made.unmet);
+  if (!made.result.unmet.empty()) context.warn(made.result.unmet);
   write_json(command.json_path,
              report::metric_json(
                  made, session.notes({{output_path, alone ? "the metric" : "the mesh with its metric"}})));
   say(command.run, "{}: metric of {} vertices, complexity {:.4g} on this mesh\n", output_path,
-      made.mesh.changing().vertex_count(), made.complexity);
+      made.mesh.changing().vertex_count(), made.result.complexity);
 }
 
 }  // namespace

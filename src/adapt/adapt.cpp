@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
@@ -279,9 +280,10 @@ void settle(TetMesh& mesh, const operators::PatchShapes& shapes, const operators
 AdaptReport adapt(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
                   const AdaptOptions& options, Context& context) {
   context.progress(0);
-  const std::map<Label, double> volumes = volumes_of_labels(mesh);
+  std::map<Label, double> volumes = volumes_of_labels(mesh);
   AdaptReport report = adapt_once(mesh, field, shapes, options, context);
   context.phase("settling", [&] { settle(mesh, shapes, options.keep_within, volumes); });
+  report.volumes_before_mm3 = std::move(volumes);
   return report;
 }
 
@@ -293,7 +295,7 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
   context.progress(0);
   double seen = context.phase("complexity", [&] { return metric::complexity(field, mesh); });
   AdaptReport report;
-  const std::map<Label, double> volumes = volumes_of_labels(mesh);
+  report.volumes_before_mm3 = volumes_of_labels(mesh);
   for (int run = 0;
        run < kMaxRuns && (run == 0 || std::abs(seen / complexity - 1) > kTolerance) && report.complete;
        ++run) {
@@ -305,7 +307,7 @@ AdaptReport adapt_to_complexity(TetMesh& mesh, metric::MetricField& field,
     report.complexity = next.complexity;
     report.complete = next.complete;
   }
-  context.phase("settling", [&] { settle(mesh, shapes, options.keep_within, volumes); });
+  context.phase("settling", [&] { settle(mesh, shapes, options.keep_within, report.volumes_before_mm3); });
   return report;
 }
 

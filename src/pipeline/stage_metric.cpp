@@ -1,6 +1,6 @@
 #include "lumesh/core/error.hpp"
-#include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/input_parts.hpp"
+#include "lumesh/stages/metric_stage.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
@@ -69,17 +69,13 @@ std::vector<std::vector<SymTensor>> wanted_at(CaseState& state, std::span<const 
 void make_metric(CaseState& state, report::StageReport& stage) {
   stage.what = "How large and how stretched the elements are to be, as a tensor at every vertex.";
   CaseSources data(state);
-  const std::vector<SymTensor> wanted =
-      metric::requested_metric(state.mesh, state.c.metric, data, state.context);
-  const metric::MetricLimits limits = limits_of(state.c);
-  const double complexity =
-      state.context.phase("limits", [&] { return metric::shape_metric(state.mesh, wanted, limits); });
+  const MetricResult made =
+      lumesh::make_metric(state.mesh, state.c.metric, limits_of(state.c), data, state.context);
   state.has_metric = true;
   stage.figures.push_back({"Vertices", std::uint64_t{state.mesh.vertex_count()}});
   stage.figures.push_back(
-      {"Complexity", complexity, "", "about half the number of vertices of the adapted mesh"});
-  const std::string unmet = metric::unmet_complexity(complexity, limits);
-  if (!unmet.empty()) stage.warnings.push_back(unmet);
+      {"Complexity", made.complexity, "", "about half the number of vertices of the adapted mesh"});
+  if (!made.unmet.empty()) stage.warnings.push_back(made.unmet);
 }
 
 }  // namespace lumesh::pipeline

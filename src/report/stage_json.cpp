@@ -189,7 +189,7 @@ std::string metric_json(const MeshWithMetric& made, const CommandNotes& notes) {
   return with_notes({{"vertices", made.mesh.changing().vertex_count()},
                      {"tetrahedra", made.mesh.changing().tet_count()},
                      {"kept_cells", made.mesh.kept_count()},
-                     {"complexity", made.complexity}},
+                     {"complexity", made.result.complexity}},
                     notes);
 }
 

@@ -8,9 +8,11 @@
 
 #include "lumesh/adapt/adapt.hpp"
 #include "lumesh/adapt/boundary.hpp"
+#include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
+#include "lumesh/metric/background_field.hpp"
 #include "vertices_outside.hpp"
 
 namespace lumesh {
@@ -21,6 +23,9 @@ void AdaptRequest::describe(OptionList& list) {
   adapt.describe(list);
 }
 
+namespace {
+
+/// Pieces that no face joins are often forgotten specks of a segmentation, in which a flow has no way out.
 void require_one_piece(const TetMesh& mesh, const AdaptRequest& request) {
   const std::uint32_t pieces = request.allows_pieces ? 1 : count_pieces(mesh);
   if (pieces > 1)
@@ -30,8 +35,6 @@ void require_one_piece(const TetMesh& mesh, const AdaptRequest& request) {
             "has {} pieces that no face joins; make it of the largest one ({} of the image), or give {}",
             pieces, option_name("largest_component"), option_name("allow_pieces")));
 }
-
-namespace {
 
 std::vector<LabelChange> changes_of(const std::map<Label, double>& before,
                                     const std::map<Label, double>& after) {
@@ -64,20 +67,18 @@ std::string note_on_many_vertices(std::size_t vertices, const AdaptReport& repor
       vertices, report.complexity);
 }
 
-}  // namespace
-
-AdaptResult adapt_mesh(TetMesh& mesh, metric::MetricField& field, const AdaptRequest& request,
-                       double complexity, Context& context) {
-  const std::map<Label, double> volumes_before = volumes_of_labels(mesh);
+AdaptResult adapt_along_boundary(TetMesh& mesh, AdaptTarget& target, const AdaptRequest& request,
+                                 Context& context) {
   const AdaptedBoundary boundary(mesh, request.boundary, context);
   AdaptOptions options = request.adapt;
   options.keep_within = boundary.keep_within();
-  AdaptResult result{.report = complexity > 0 ? adapt_to_complexity(mesh, field, boundary.shapes(),
-                                                                    complexity, options, context)
-                                              : adapt(mesh, field, boundary.shapes(), options, context),
+  AdaptResult result{.report = target.complexity > 0
+                                   ? adapt_to_complexity(mesh, target.field, boundary.shapes(),
+                                                         target.complexity, options, context)
+                                   : adapt(mesh, target.field, boundary.shapes(), options, context),
                      .patches_on_image = boundary.patches_on_image()};
   boundary.restore_patches(mesh);
-  result.volumes = changes_of(volumes_before, volumes_of_labels(mesh));
+  result.volumes = changes_of(result.report.volumes_before_mm3, volumes_of_labels(mesh));
   constexpr double kSeenMm = 1e-6;
   const std::string remedy =
       fmt::format("a smaller {} or {} may help", option_name("gradation"), option_name("max_size"));
@@ -86,6 +87,25 @@ AdaptResult adapt_mesh(TetMesh& mesh, metric::MetricField& field, const AdaptReq
         note_on_volumes(result.volumes), note_on_many_vertices(mesh.vertex_count(), result.report)})
     if (!note.empty()) result.notes.push_back(std::move(note));
   return result;
+}
+
+}  // namespace
+
+AdaptTarget target_of_metric(const TetMesh& mesh, const metric::MetricLimits& limits, Context& context) {
+  const double seen = metric::complexity(mesh);
+  const bool is_met = metric::unmet_complexity(seen, limits).empty();
+  return {context.phase("background", [&] { return metric::background_field(mesh, mesh.view().metric, 0); }),
+          is_met ? limits.complexity : 0, seen};
+}
+
+AdaptResult adapt_mesh(TetMesh& mesh, const std::string& name, AdaptTarget target,
+                       const AdaptRequest& request, Context& context) {
+  naming(name, [&] {
+    require_one_piece(mesh, request);
+    check_fits_memory(target.complexity > 0 ? target.complexity : target.seen);
+  });
+  return naming(request.boundary.image ? request.image_name : name,
+                [&] { return adapt_along_boundary(mesh, target, request, context); });
 }
 
 }  // namespace lumesh

@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <memory>
+#include <utility>
 
-#include "lumesh/adapt/estimate.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/image_domain.hpp"
@@ -27,21 +27,25 @@ std::shared_ptr<const ImageDomain> image_of(const MeshAdaptationRequest& request
 
 /// The metric that the mesh is adapted to. Where it stands against kept cells, sizes go over to theirs, which
 /// the complexity has to allow for.
-/// @param complexity  Becomes 0 where scaling would change the sizes at the kept cells.
-metric::MetricField wanted_field(const MeshAdaptationRequest& request, const std::string& name,
-                                 ChangingMesh& mesh, double& complexity, const Context& context) {
-  if (request.analytic.is_wanted()) return metric::MetricField::analytic(*request.analytic.formula);
-  if (!mesh.has_kept())
-    return metric::background_field(mesh.changing(), mesh.given_metric(name, request.tensors.file),
-                                    request.gradation);
-  const metric::MetricLimits limits{
-      .growth = request.gradation, .kept_patches = mesh.frozen_patches(), .complexity = complexity};
-  const double seen = metric::shape_metric(mesh.changing(), mesh.given_metric(name, ""), limits);
-  if (const std::string unmet = metric::unmet_complexity(seen, limits); !unmet.empty()) {
-    context.warn(unmet);
-    complexity = 0;
+AdaptTarget wanted_target(const MeshAdaptationRequest& request, const std::string& name, ChangingMesh& mesh,
+                          Context& context) {
+  if (mesh.has_kept() && !request.analytic.is_wanted()) {
+    const metric::MetricLimits limits{
+        .growth = request.gradation, .kept_patches = mesh.frozen_patches(), .complexity = request.complexity};
+    const double seen = metric::shape_metric(mesh.changing(), mesh.given_metric(name, ""), limits);
+    if (const std::string unmet = metric::unmet_complexity(seen, limits); !unmet.empty()) context.warn(unmet);
+    return target_of_metric(mesh.changing(), limits, context);
   }
-  return metric::background_field(mesh.changing(), mesh.changing().view().metric, 0);
+  AdaptTarget target{
+      request.analytic.is_wanted()
+          ? metric::MetricField::analytic(*request.analytic.formula)
+          : metric::background_field(mesh.changing(), mesh.given_metric(name, request.tensors.file),
+                                     request.gradation),
+      request.complexity};
+  if (request.complexity == 0)
+    target.seen =
+        context.phase("complexity", [&] { return metric::complexity(target.field, mesh.changing()); });
+  return target;
 }
 
 void warn_of_doubts(const MeshAdaptationRequest& request, const std::string& name, const MeshInfo& info,
@@ -92,18 +96,13 @@ AdaptedMesh adapt_mesh(MixedMesh& input, const std::string& name, const MeshAdap
     input.metric = metric_of(input, name, request.tensors.file);
   AdaptedMesh made{ChangingMesh(input, request.keep, name, context), {}};
   TetMesh& mesh = made.mesh.changing();
-  if (!made.mesh.has_kept()) naming(name, [&] { require_one_piece(mesh, request.stage); });
-  double complexity = request.complexity;
-  metric::MetricField field = wanted_field(request, name, made.mesh, complexity, context);
-  const double expected = complexity > 0
-                              ? complexity
-                              : context.phase("complexity", [&] { return metric::complexity(field, mesh); });
-  naming(name, [&] { check_fits_memory(expected); });
+  AdaptTarget target = wanted_target(request, name, made.mesh, context);
   AdaptRequest stage = request.stage;
-  stage.boundary.image = image_of(request, context);
+  stage.allows_pieces = stage.allows_pieces || made.mesh.has_kept();
   stage.boundary.frozen_patches = made.mesh.frozen_patches();
-  made.result = naming(stage.boundary.image ? request.image : name,
-                       [&] { return adapt_mesh(mesh, field, stage, complexity, context); });
+  stage.boundary.image = image_of(request, context);
+  stage.image_name = request.image;
+  made.result = adapt_mesh(mesh, name, std::move(target), stage, context);
   for (const std::string& note : made.result.notes) context.warn(note);
   if (stage.boundary.image) warn_of_doubts(request, name, mesh.info(), made.result, context);
   return made;

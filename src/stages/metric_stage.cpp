@@ -76,16 +76,21 @@ class MeshSources final : public metric::SourceData {
 
 }  // namespace
 
+MetricResult make_metric(TetMesh& mesh, const metric::MetricRequest& request,
+                         const metric::MetricLimits& limits, metric::SourceData& data, Context& context) {
+  const std::vector<SymTensor> wanted = metric::requested_metric(mesh, request, data, context);
+  const double complexity =
+      context.phase("limits", [&] { return metric::shape_metric(mesh, wanted, limits); });
+  return {complexity, metric::unmet_complexity(complexity, limits)};
+}
+
 MeshWithMetric give_metric(MixedMesh& input, const std::string& name, const MeshMetricRequest& request,
                            Context& context) {
-  MeshWithMetric made{ChangingMesh(input, request.keep, name, context), 0, {}};
-  TetMesh& mesh = made.mesh.changing();
+  MeshWithMetric made{ChangingMesh(input, request.keep, name, context), {}};
   metric::MetricLimits limits = request.metric.limits_for(false);
   limits.kept_patches = made.mesh.frozen_patches();
   MeshSources data(request, name, made.mesh, context);
-  const std::vector<SymTensor> wanted = metric::requested_metric(mesh, request.metric, data, context);
-  made.complexity = context.phase("limits", [&] { return metric::shape_metric(mesh, wanted, limits); });
-  made.unmet = metric::unmet_complexity(made.complexity, limits);
+  made.result = make_metric(made.mesh.changing(), request.metric, limits, data, context);
   return made;
 }
 

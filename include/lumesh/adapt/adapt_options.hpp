@@ -2,6 +2,7 @@
 /// @file Options of the adaptation of a mesh and of its boundary's part in it, and what was done.
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -62,9 +63,10 @@ struct AdaptPass {
 
 struct AdaptReport {
   std::vector<AdaptPass> passes;
-  operators::ExecutionCounts by_thread;  ///< Who did what depends on chance in every execution.
-  double complexity = 0;                 ///< Complexity of the metric as the adapted mesh sees it.
-  bool complete = true;                  ///< False if the context was cancelled before the end.
+  operators::ExecutionCounts by_thread;        ///< Who did what depends on chance in every execution.
+  double complexity = 0;                       ///< Complexity of the metric as the adapted mesh sees it.
+  bool complete = true;                        ///< False if the context was cancelled before the end.
+  std::map<Label, double> volumes_before_mm3;  ///< Volume of each label before.
 };
 
 /// How the boundary of a mesh takes part in its adaptation.

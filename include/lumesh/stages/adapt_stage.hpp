@@ -8,17 +8,32 @@
 #include "lumesh/core/context.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/metric/metric_field.hpp"
+#include "lumesh/metric/shaping.hpp"
 
 namespace lumesh {
 
 struct AdaptRequest {
   BoundaryOptions boundary;  ///< The image and the patches that stay come from the front end.
+  std::string image_name;    ///< Name of that image, for messages.
   bool allows_pieces = false;
   AdaptOptions adapt;
 
   void describe(OptionList& list);
   void validate() const { adapt.validate(); }
 };
+
+/// Metric that a mesh is adapted to, and how large it makes the mesh.
+struct AdaptTarget {
+  metric::MetricField field;
+  double complexity = 0;  ///< Complexity to which sizes are scaled; 0: they stay as the field says.
+  double seen = 0;        ///< Complexity of the field on the mesh; unused where sizes are scaled.
+};
+
+/// The metric that the mesh carries, as shape_metric() with these limits left it. Where they kept it from
+/// their complexity, sizes stay: scaled ones would break the limits.
+/// @param mesh  Compact, with metrics. Parallel inside, bitwise identical for every thread count.
+[[nodiscard]] AdaptTarget target_of_metric(const TetMesh& mesh, const metric::MetricLimits& limits,
+                                           Context& context);
 
 /// Volume of a label before and after.
 struct LabelChange {
@@ -37,14 +52,12 @@ struct AdaptResult {
   std::vector<std::string> notes = {};
 };
 
-/// Pieces that no face joins are often forgotten specks of a segmentation, in which a flow has no way out.
-/// @throws Error{kBadInput} if the mesh has several and the request does not allow them; without a name.
-void require_one_piece(const TetMesh& mesh, const AdaptRequest& request);
-
-/// Adapts the mesh to the field along its boundary, and gives it the patches again that it had.
-/// @param complexity  Of the adapted mesh; 0: as the field says. @throws what adapt() and AdaptedBoundary
-/// throw.
-[[nodiscard]] AdaptResult adapt_mesh(TetMesh& mesh, metric::MetricField& field, const AdaptRequest& request,
-                                     double complexity, Context& context);
+/// Adapts the mesh to the target along its boundary, and gives it the patches again that it had.
+/// @param name  Name of the mesh, for messages.
+/// @throws Error{kBadInput} that names the mesh, if it has several pieces and the request does not allow
+/// them, and what check_fits_memory() throws; what adapt() and AdaptedBoundary throw, with the name of the
+/// image where there is one.
+[[nodiscard]] AdaptResult adapt_mesh(TetMesh& mesh, const std::string& name, AdaptTarget target,
+                                     const AdaptRequest& request, Context& context);
 
 }  // namespace lumesh

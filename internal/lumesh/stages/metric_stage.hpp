@@ -1,5 +1,5 @@
 #pragma once
-/// @file The stage that gives every vertex of a finished mesh a metric tensor, for every front end.
+/// @file The stage that gives every vertex of a mesh a metric tensor, for every front end.
 
 #include <string>
 #include <vector>
@@ -20,11 +20,25 @@ struct MeshMetricRequest {
   void validate() const { metric.validate(); }
 };
 
+struct MetricResult {
+  double complexity = 0;  ///< Complexity that the mesh sees.
+  std::string unmet;      ///< A line where limits keep it from the complexity asked for, else empty.
+};
+
+/// The metric of all sources that the request names, within the limits, set at every vertex of the mesh.
+/// @param mesh  Compact. @param data  What the sources are made from.
+/// @throws what requested_metric() and shape_metric() throw. Parallel inside, bitwise identical for every
+/// thread count.
+[[nodiscard]] MetricResult make_metric(TetMesh& mesh, const metric::MetricRequest& request,
+                                       const metric::MetricLimits& limits, metric::SourceData& data,
+                                       Context& context);
+
 struct MeshWithMetric {
   ChangingMesh mesh;  ///< For finish_metric().
-  double complexity = 0;
-  std::string unmet;  ///< A line where limits keep it from the complexity asked for, else empty.
+  MetricResult result;
 };
+
+/// The same for the mesh of a file, or for its part that is free to change.
 
 /// @param input  Outlives the result. @param name  Of the mesh, for messages.
 /// @throws Error that names mesh, file or option.

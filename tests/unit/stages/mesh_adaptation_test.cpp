@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fixtures/meshes.hpp"
 #include "fixtures/metric_cubes.hpp"
 #include "fixtures/mixed_meshes.hpp"
 #include "lumesh/core/error.hpp"
@@ -73,6 +74,21 @@ TEST(MeshAdaptation, SeveralPiecesAreRefusedByName) {
   } catch (const Error& error) {
     EXPECT_EQ(std::string(error.what()).find("two.vtu: has 2 pieces"), 0u) << error.what();
   }
+}
+
+TEST(AdaptTarget, SizesThatBoundsKeepFromTheComplexityAreNotScaled) {
+  TetMesh mesh = fixtures::cube_grid(4).build();  // 64 mm^3.
+  const std::vector<SymTensor> wanted(mesh.vertex_count(), SymTensor::diagonal(1, 1, 1));
+  Context context;
+  metric::MetricLimits limits;
+  limits.complexity = 1000;
+  metric::shape_metric(mesh, wanted, limits);
+  EXPECT_EQ(target_of_metric(mesh, limits, context).complexity, 1000);
+  limits.smallest_mm = 1;
+  metric::shape_metric(mesh, wanted, limits);
+  const AdaptTarget target = target_of_metric(mesh, limits, context);
+  EXPECT_EQ(target.complexity, 0);
+  EXPECT_NEAR(target.seen, 64, 1e-9 * 64);
 }
 
 }  // namespace

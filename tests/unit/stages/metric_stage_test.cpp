@@ -45,8 +45,8 @@ TEST(MetricStage, LimitsHoldAndTheComplexityIsThatOfTheFormulaOnTheMesh) {
   request.metric.limits.largest_mm = 0.5;
   Context context;
   MeshWithMetric made = give_metric(input, "cube.vtu", request, context);
-  EXPECT_NEAR(made.complexity, 64 * 8, 1e-9 * 64 * 8);  // Sizes of 0.5 mm: a density of 8 per mm^3.
-  EXPECT_EQ(made.unmet, "");
+  EXPECT_NEAR(made.result.complexity, 64 * 8, 1e-9 * 64 * 8);  // Sizes of 0.5 mm: a density of 8 per mm^3.
+  EXPECT_EQ(made.result.unmet, "");
   made.mesh.finish_metric({});
   for (const SymTensor& tensor : made.mesh.view().metric) EXPECT_NEAR(tensor.xx, 4, 1e-12);
 }
@@ -58,7 +58,7 @@ TEST(MetricStage, AComplexityThatBoundsKeepFromIsTold) {
   request.metric.limits.smallest_mm = 1;
   request.metric.limits.complexity = 1000;
   Context context;
-  EXPECT_NE(give_metric(input, "cube.vtu", request, context).unmet, "");
+  EXPECT_NE(give_metric(input, "cube.vtu", request, context).result.unmet, "");
 }
 
 }  // namespace
