@@ -30,7 +30,7 @@ std::string help_of(const Option& option) {
          (is_list(option.target) ? "; may be repeated" : "");
 }
 
-[[noreturn]] void refuse(const Option& option, const std::string& complaint) {
+[[noreturn]] void throw_bad_value(const Option& option, const std::string& complaint) {
   throw CLI::ValidationError(flag_of(option.name), complaint);
 }
 
@@ -40,14 +40,14 @@ std::string help_of(const Option& option) {
 template <class Number>
 Number number_in_range(const Option& option, const std::string& text, bool is_given_by_default = false) {
   const std::optional<double> number = parse_number<double>(text);
-  if (!number) refuse(option, fmt::format("\"{}\" is not a number", text));
+  if (!number) throw_bad_value(option, fmt::format("\"{}\" is not a number", text));
   if (std::is_integral_v<Number> && *number != std::floor(*number))
-    refuse(option, fmt::format("\"{}\" is not a whole number", text));
+    throw_bad_value(option, fmt::format("\"{}\" is not a whole number", text));
   const std::string complaint = (is_given_by_default ? option : option.without_zero()).complaint(*number);
-  if (!complaint.empty()) refuse(option, complaint);
+  if (!complaint.empty()) throw_bad_value(option, complaint);
   if (std::is_integral_v<Number> &&
       std::abs(*number) > static_cast<double>(std::numeric_limits<Number>::max()))
-    refuse(option, fmt::format("is too large a number: {}", text));
+    throw_bad_value(option, fmt::format("is too large a number: {}", text));
   return static_cast<Number>(*number == 0 && option.zero_text ? option.zero_value : *number);
 }
 
@@ -55,18 +55,18 @@ Number number_in_range(const Option& option, const std::string& text, bool is_gi
 std::vector<double> row_from(const Option& option, const std::string& text, const OptionRows& rows) {
   std::optional<std::vector<double>> row = rows.row_from(text);
   if (!row)
-    refuse(option, fmt::format("\"{}\" is not {} with commas between them, such as {}", text,
+    throw_bad_value(option, fmt::format("\"{}\" is not {} with commas between them, such as {}", text,
                                rows.width_text(), rows.example));
   return std::move(*row);
 }
 
 /// Sets what may be no value.
 template <class Set>
-void set_or_refuse(const Option& option, const Set& set) {
+void set_or_throw(const Option& option, const Set& set) {
   try {
     set();
   } catch (const Error& senseless) {
-    refuse(option, senseless.what());
+    throw_bad_value(option, senseless.what());
   }
 }
 
@@ -97,14 +97,14 @@ class Adder {
   }
   CLI::Option* operator()(const OptionParsed& parsed) const {
     return text(
-        [parsed](const Option& o, const std::string& value) { set_or_refuse(o, [&] { parsed.set(value); }); },
+        [parsed](const Option& o, const std::string& value) { set_or_throw(o, [&] { parsed.set(value); }); },
         "TEXT");
   }
   CLI::Option* operator()(const OptionWord& word) const {
     CLI::Option* const made = text(
         [word](const Option& o, const std::string& value) {
           const std::optional<std::size_t> index = word.index_of(value);
-          if (!index) refuse(o, word.complaint(value));
+          if (!index) throw_bad_value(o, word.complaint(value));
           word.set(*index);
         },
         fmt::format("{}", fmt::join(word.words, "|")));
@@ -123,7 +123,7 @@ class Adder {
     return list(
         [target](const Option& o, const std::string& value) {
           const std::string complaint = add_label_number(value, o, *target);
-          if (!complaint.empty()) refuse(o, complaint);
+          if (!complaint.empty()) throw_bad_value(o, complaint);
         },
         "LABEL=NUMBER");
   }
@@ -131,7 +131,7 @@ class Adder {
     return list(
         [files = labelled.files](const Option& o, const std::string& value) {
           const std::string complaint = add_labelled_file(value, *files);
-          if (!complaint.empty()) refuse(o, complaint);
+          if (!complaint.empty()) throw_bad_value(o, complaint);
         },
         "FILE=LABEL");
   }
@@ -172,7 +172,7 @@ class Adder {
         ->type_name(type);
   }
   void set_rows(const OptionRows& rows, const std::vector<std::vector<double>>& values) const {
-    set_or_refuse(option_, [&] { rows.set(values); });
+    set_or_throw(option_, [&] { rows.set(values); });
   }
   /// Exactly one row, a word for each number; a number alone fills a row without a least count.
   CLI::Option* row_of_words(const OptionRows& rows) const {
@@ -184,11 +184,11 @@ class Adder {
               for (const double number : row)
                 if (const std::string complaint = self.option_.without_zero().complaint(number);
                     !complaint.empty())
-                  refuse(self.option_, complaint);
+                  throw_bad_value(self.option_, complaint);
               if (row.size() == 1) row.resize(rows.width, row.front());
               if (!rows.takes(row.size()))
-                refuse(self.option_,
-                       fmt::format("needs {}, or one for all, not {}", rows.width_text(), row.size()));
+                throw_bad_value(self.option_, fmt::format("needs {}, or one for all, not {}",
+                                                          rows.width_text(), row.size()));
               self.set_rows(rows, {std::move(row)});
             },
             help_of(option_))
@@ -204,10 +204,10 @@ class Adder {
               std::vector<std::vector<double>> numbers;  // Several rows may follow one option.
               for (const std::vector<double>& row : values) {
                 if (!std::ranges::all_of(row, [](double x) { return std::isfinite(x); }))
-                  refuse(self.option_, "needs finite numbers");
+                  throw_bad_value(self.option_, "needs finite numbers");
                 if (row.size() % rows.width != 0)
-                  refuse(self.option_,
-                         fmt::format("needs {} numbers for each, not {}", rows.width, row.size()));
+                  throw_bad_value(self.option_,
+                                  fmt::format("needs {} numbers for each, not {}", rows.width, row.size()));
                 for (auto at = row.begin(); at != row.end(); at += width)
                   numbers.emplace_back(at, at + width);
               }

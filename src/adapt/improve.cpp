@@ -182,7 +182,7 @@ void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, 
   // Where targets are out of reach, points would be put in for ever.
   constexpr int kPatience = 8;
   constexpr double kMany = 0.01;  // Of all tetrahedra.
-  constexpr double kMost = 2;     // Of those outside at first, besides as many.
+  constexpr double kMax = 2;      // Of those outside at first, besides as many.
   const auto at_first = static_cast<double>(report.after.tets_outside);
   Improver<Execution> run(mesh, options, context);
   context.results_exist();
@@ -195,7 +195,7 @@ void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, 
     if (row.counts.applied() == 0) break;
     passes_without = row.angles.tets_outside < fewest ? 0 : passes_without + 1;
     fewest = std::min(fewest, row.angles.tets_outside);
-    if (static_cast<double>(row.angles.tets_outside) > kMost * at_first + kMany * row.tets) break;
+    if (static_cast<double>(row.angles.tets_outside) > kMax * at_first + kMany * row.tets) break;
     if (passes_without >= kPatience && static_cast<double>(fewest) > kMany * row.tets) break;
   }
   report.by_thread = run.by_thread();

@@ -26,7 +26,7 @@ struct MovableVertices {
 };
 
 MovableVertices movable_vertices(const TetMesh& mesh, const PlaceOnPatch& place) {
-  constexpr double kMost = 0.02;  // Of the edges: what is further off is no matter of facets.
+  constexpr double kMax = 0.02;  // Of the edges: what is further off is no matter of facets.
   const BoundaryFaces faces = mesh.boundary_faces();
   const std::size_t patches = mesh.info().patches.size();
   MovableVertices found{std::vector<std::uint32_t>(mesh.vertex_count(), kNoPatch),
@@ -41,7 +41,7 @@ MovableVertices movable_vertices(const TetMesh& mesh, const PlaceOnPatch& place)
       if (mesh.dimension(VertexId(v)) == VertexDimension::kSurface) found.patch[v] = patch;
   }
   for (std::size_t p = 0; p < patches; ++p)
-    if (counts[p] > 0) found.largest[p] = kMost * std::sqrt(2 * found.area[p] / counts[p]);
+    if (counts[p] > 0) found.largest[p] = kMax * std::sqrt(2 * found.area[p] / counts[p]);
   parallel::for_each_index(found.patch.size(), 64, [&](std::size_t v) {
     if (found.patch[v] == kNoPatch) return;
     if (const auto at = place(PatchId(found.patch[v]), mesh.points()[v]))

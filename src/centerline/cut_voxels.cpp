@@ -139,9 +139,9 @@ class ImageCutter {
   }
 
   [[nodiscard]] double radius_mm(const CutSection& section) const {
-    constexpr double kLeast = 4;  // Voxels.
+    constexpr double kMin = 4;  // Voxels.
     const Vec3 middle = frame_.to_physical(box_of(section.voxels).center());
-    double radius_mm = kLeast * frame_.spacing_mm.maxCoeff();
+    double radius_mm = kMin * frame_.spacing_mm.maxCoeff();
     for (const Index3& v : section.voxels) radius_mm = std::max(radius_mm, (centre_of(v) - middle).norm());
     return radius_mm;
   }

@@ -232,8 +232,8 @@ std::optional<Candidate> Rules::candidate_for_crossed_opening(TetId t, const Cir
 std::optional<Candidate> Rules::nearest_of_surface(TetId t, const Circumsphere& sphere) const {
   const auto mine = static_cast<Material>(mesh_.label(t));
   std::optional<Candidate> nearest;
-  constexpr double kLeast = 0.25;  // Of what shapes make points denser to.
-  if (sphere.radius < kLeast * spacing_.min_for_shapes()) return nearest;
+  constexpr double kMin = 0.25;  // Of what shapes make points denser to.
+  if (sphere.radius < kMin * spacing_.min_for_shapes()) return nearest;
   double smallest = sphere.radius;
   for (const Material other : domain_.materials_near(sphere.centre, sphere.radius)) {
     if (other == mine) continue;

@@ -19,25 +19,25 @@
 namespace lumesh::surfaces {
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void throw_bad_surface(const std::string& message) {
   throw Error(ErrorKind::kBadInput, message);
 }
 
 void check_arrays(const SurfaceView& surface) {
-  if (surface.triangles.empty()) refuse("the surface has no triangles");
+  if (surface.triangles.empty()) throw_bad_surface("the surface has no triangles");
   if (!surface.patches.empty() && surface.patches.size() != surface.triangles.size())
-    refuse("the surface has " + std::to_string(surface.triangles.size()) + " triangles but " +
-           std::to_string(surface.patches.size()) + " patch numbers");
+    throw_bad_surface("the surface has " + std::to_string(surface.triangles.size()) + " triangles but " +
+                      std::to_string(surface.patches.size()) + " patch numbers");
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     for (const std::uint32_t v : surface.triangles[t])
       if (v >= surface.points.size() || !surface.points[v].allFinite())
-        refuse("triangle " + std::to_string(t) + " of the surface: point " + std::to_string(v) +
-               (v >= surface.points.size() ? " does not exist" : " is not finite"));
+        throw_bad_surface("triangle " + std::to_string(t) + " of the surface: point " + std::to_string(v) +
+                          (v >= surface.points.size() ? " does not exist" : " is not finite"));
 }
 
 ClosedSurface welded(const SurfaceView& view) {
   TriangleMesh mesh = weld(view.points, view.triangles, view.patches);
-  if (mesh.triangles.empty()) refuse("the surface has no triangle with three different corners");
+  if (mesh.triangles.empty()) throw_bad_surface("the surface has no triangle with three different corners");
   ClosedSurface surface;
   surface.points = std::move(mesh.points);
   surface.triangles = std::move(mesh.triangles);
@@ -50,10 +50,11 @@ ClosedSurface welded(const SurfaceView& view) {
   const std::string ends =
       coordinates_text(surface.points[one.low]) + " to " + coordinates_text(surface.points[one.high]) + " mm";
   if (triangles == 1)
-    refuse("the surface is not closed: " + counted(open_edges, "edge has", "edges have") +
-           " one triangle only, such as that from " + ends + "; close the holes first (`lumesh repair`)");
-  refuse("the surface is not a manifold: the edge from " + ends + " has " + std::to_string(triangles) +
-         " triangles; repair it first (`lumesh repair`)");
+    throw_bad_surface("the surface is not closed: " + counted(open_edges, "edge has", "edges have") +
+                      " one triangle only, such as that from " + ends +
+                      "; close the holes first (`lumesh repair`)");
+  throw_bad_surface("the surface is not a manifold: the edge from " + ends + " has " +
+                    std::to_string(triangles) + " triangles; repair it first (`lumesh repair`)");
 }
 
 void find_neighbours(ClosedSurface& surface) {
@@ -86,8 +87,9 @@ Parts turn_parts_alike(ClosedSurface& surface) {
     for (std::size_t s = 0; s < 3; ++s) {
       const std::uint32_t from = surface.triangles[t][s], to = surface.triangles[t][(s + 1) % 3];
       if (runs_along(surface.triangles[surface.neighbours[t][s]], from, to))
-        refuse("the surface has one side only, as a Moebius strip: triangles cannot be turned alike at " +
-               coordinates_text(surface.points[from]) + " mm");
+        throw_bad_surface(
+            "the surface has one side only, as a Moebius strip: triangles cannot be turned alike at " +
+            coordinates_text(surface.points[from]) + " mm");
     }
   return parts;
 }
@@ -98,7 +100,7 @@ void turn_outwards(ClosedSurface& surface) {
   const std::vector<Shell> shells = shells_of(surface.points, surface.triangles, parts);
   for (const Shell& shell : shells)
     if (shell.volume_mm3 == 0)
-      refuse("the surface encloses nothing at " + coordinates_text(shell.place_mm) + " mm");
+      throw_bad_surface("the surface encloses nothing at " + coordinates_text(shell.place_mm) + " mm");
   surface.is_enclosed.resize(surface.triangles.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const Shell& shell = shells[parts.of_triangle[t]];
@@ -125,8 +127,8 @@ void check_fans(const ClosedSurface& surface) {
       ++seen;
     } while (t != start[v].first && seen <= around[v]);
     if (seen != around[v])
-      refuse("the surface is not a manifold: it touches itself in the point " +
-             coordinates_text(surface.points[v]) + " mm; repair it first (`lumesh repair`)");
+      throw_bad_surface("the surface is not a manifold: it touches itself in the point " +
+                        coordinates_text(surface.points[v]) + " mm; repair it first (`lumesh repair`)");
   }
 }
 
@@ -163,12 +165,12 @@ void check_crossings(const ClosedSurface& surface, std::span<const Patch> patche
     return patch < patches.size() && is_cap(patches[patch]);
   };
   if (is_of_cap(sheets->first) || is_of_cap(sheets->second))
-    refuse("the cap of an open end crosses another part of the surface at " +
-           coordinates_text(sheets->place) +
-           " mm: one part goes on beyond where the other ends; cut both off in one plane, or leave one out");
-  refuse("the surface crosses or touches itself: " + counted(crossings.size(), "pair") +
-         " of triangles, such as at " + coordinates_text(sheets->place) +
-         " mm; join its parts or repair it first (`lumesh repair`)");
+    throw_bad_surface(
+        "the cap of an open end crosses another part of the surface at " + coordinates_text(sheets->place) +
+        " mm: one part goes on beyond where the other ends; cut both off in one plane, or leave one out");
+  throw_bad_surface("the surface crosses or touches itself: " + counted(crossings.size(), "pair") +
+                    " of triangles, such as at " + coordinates_text(sheets->place) +
+                    " mm; join its parts or repair it first (`lumesh repair`)");
 }
 
 }  // namespace

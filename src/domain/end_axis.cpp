@@ -92,7 +92,7 @@ Vec3 slope_at_plane(const std::vector<double>& depths, const std::vector<Vec3>& 
 }  // namespace
 
 std::optional<Vec3> end_axis(const Domain& domain, const EndSection& section, double depth_mm) {
-  constexpr int kSections = 8, kLeast = 4, kForCurve = 7;
+  constexpr int kSections = 8, kMin = 4, kForCurve = 7;
   constexpr double kAlike = 1.5;  // Areas from one section to the first.
   // Cosines between axis and normal; below the second the places of centres, which slide along the wall, say
   // less of a bend than of the voxels.
@@ -115,7 +115,7 @@ std::optional<Vec3> end_axis(const Domain& domain, const EndSection& section, do
     middle = found->centre_mm;
     if (i > 0) middle += found->centre_mm - centres[centres.size() - 2];
   }
-  if (depths.size() < static_cast<std::size_t>(kLeast)) return std::nullopt;
+  if (depths.size() < static_cast<std::size_t>(kMin)) return std::nullopt;
   const auto way_of = [&](int degree) { return Vec3(-slope_at_plane(depths, centres, degree).normalized()); };
   Vec3 way = way_of(1);
   if (depths.size() >= static_cast<std::size_t>(kForCurve) && way.dot(normal) > kMinCosForCurve)

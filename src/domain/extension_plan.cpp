@@ -70,7 +70,7 @@ class ExtensionPlanner {
   }
 
   void find_directions() {
-    constexpr double kLeastDepth = 3;     // Voxels.
+    constexpr double kMinDepth = 3;       // Voxels.
     constexpr double kRadiiOfHollow = 2;  // The places of thin walls are noisier.
     for (std::size_t g = 0; g < plan_.groups.size(); ++g) {
       const EndSection& section = plan_.groups[g].section;
@@ -78,7 +78,7 @@ class ExtensionPlanner {
       directions_.push_back(section.plane.normal);
       if (!is_wanted(g)) continue;
       const double depth_mm = (main.is_hollow() ? kRadiiOfHollow : 1) * main.lumen_radius_mm();
-      if (const auto axis = end_axis(domain_, section, std::max(depth_mm, kLeastDepth * voxel_mm_)))
+      if (const auto axis = end_axis(domain_, section, std::max(depth_mm, kMinDepth * voxel_mm_)))
         directions_[g] = *axis;
       else
         note(g,

@@ -35,7 +35,7 @@ void mark(const std::array<Place, 3>& t, OpeningSquares& squares) {
 }  // namespace
 
 std::shared_ptr<const OpeningSquares> squares_of(const FlatEnd& end) {
-  constexpr int kMost = 256;
+  constexpr int kMax = 256;
   auto squares = std::make_shared<OpeningSquares>();
   squares->u = end.normal.unitOrthogonal();
   squares->v = end.normal.cross(squares->u);
@@ -46,7 +46,7 @@ std::shared_ptr<const OpeningSquares> squares_of(const FlatEnd& end) {
   for (const auto& triangle : end.triangles_mm)
     for (const Vec3& corner : triangle) box.extend(in_plane(corner));
   const Place size = box.sizes();
-  squares->step_mm = size.maxCoeff() / kMost;
+  squares->step_mm = size.maxCoeff() / kMax;
   squares->columns = static_cast<int>(std::ceil(size.x() / squares->step_mm));
   squares->rows = static_cast<int>(std::ceil(size.y() / squares->step_mm));
   const Place first = box.center() - 0.5 * squares->step_mm * Place(squares->columns - 1, squares->rows - 1);

@@ -97,7 +97,7 @@ std::string wrong_of(const OpeningInMesh& o) {
 std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   constexpr double kDoubtfulPercent = 2, kThin = 2;  // From so many voxels in radius on.
   constexpr double kOff = 1e-3, kOffEnd = 1e-6;      // Voxels; of the radius of a surface's end.
-  constexpr std::size_t kLeastEdges = 8;
+  constexpr std::size_t kMinEdges = 8;
   std::vector<std::string> lines;
   const Opening& opening = o.opening;
   const double change = std::abs(o.change_percent());
@@ -119,7 +119,7 @@ std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   if (o.shape.parts == 1 && (o.shape.rims < least || o.shape.rims > most))
     lines.push_back(fmt::format("{} at {} has {} rims, not {}", o.patches, place_text(opening.centre_mm),
                                 o.shape.rims, least));
-  if (o.shape.edges < kLeastEdges)
+  if (o.shape.edges < kMinEdges)
     lines.push_back(fmt::format("{} at {} has {} edges around; a smaller `edge_length` makes more", o.patches,
                                 place_text(opening.centre_mm), o.shape.edges));
   return lines;

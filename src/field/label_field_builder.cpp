@@ -52,9 +52,9 @@ class LabelFieldBuilder {
   static constexpr int kFirstStored = LabelField::kFirst - 1;
 
   static std::vector<field::PairFaces> pairs_of(const LabelImage& image) {
-    field::refuse_noise(image);
+    field::require_segmentation(image);
     std::vector<field::PairFaces> pairs = field::touching_pairs(image);
-    field::refuse_pairs(pairs.size());
+    field::require_few_pairs(pairs.size());
     return pairs;
   }
 
@@ -200,7 +200,7 @@ class LabelFieldBuilder {
   void fill_block(const Band& band, const LaneArray& values, const LabelPair& pair, const Index3& brick,
                   std::uint32_t block) {
     constexpr auto kLimit = static_cast<float>(LabelField::kStoredLimit);
-    constexpr float kLeastDepth = 0.05F;  // In that layer.
+    constexpr float kMinDepth = 0.05F;  // In that layer.
     float* const out = &f_.blocks_[std::size_t{block} * LabelField::kBlock];
     std::fill_n(out, LabelField::kBlock, 0.0F);
     const Index3 first = brick * kBrick + Index3::Constant(kFirstStored);
@@ -213,7 +213,7 @@ class LabelFieldBuilder {
           row[i] = value == value ? std::clamp(value, -kLimit, kLimit)
                                   : kLimit * static_cast<float>(pair.side_of(image_.at(clamped(voxel))));
           const int beyond = pair.is_outer_wall() ? beyond_bare_end(voxel) : -1;
-          if (beyond >= 0) row[i] = std::min(row[i], beyond > 0 ? -kLimit : -kLeastDepth);
+          if (beyond >= 0) row[i] = std::min(row[i], beyond > 0 ? -kLimit : -kMinDepth);
         }
       }
     }

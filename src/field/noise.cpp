@@ -90,13 +90,13 @@ class SliceScan {
 
 }  // namespace
 
-void refuse_pairs(std::size_t pairs) {
+void require_few_pairs(std::size_t pairs) {
   if (pairs > kMaxPairs)
     throw Error(ErrorKind::kBadInput,
                 fmt::format("more than {} pairs of labels touch: {}", kMaxPairs, kRemedy));
 }
 
-void refuse_noise(const LabelImage& image) {
+void require_segmentation(const LabelImage& image) {
   const SliceScan scan(image);
   const auto slices = static_cast<std::size_t>(image.frame().size.z());
   // Odd, for the sake of patterns that repeat every other slice.
@@ -104,7 +104,7 @@ void refuse_noise(const LabelImage& image) {
   const Tally tally = parallel::reduce_blocks(
       (slices + step - 1) / step, 1, Tally{},
       [&](std::size_t begin, std::size_t) { return scan.look_at(begin * step); }, add);
-  refuse_pairs(tally.pairs.size());
+  require_few_pairs(tally.pairs.size());
   const auto alone = static_cast<double>(tally.alone), object = static_cast<double>(tally.object);
   const auto pairs = static_cast<double>(tally.pairs.size());
   const double work = alone * static_cast<double>(step) * (pairs + kMinPairs);

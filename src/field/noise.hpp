@@ -10,9 +10,9 @@ namespace lumesh::field {
 /// label, if these voxels times the pairs of labels (and four) are more than a million, or if nine in ten and
 /// more than 10,000 do: functions of single voxels take minutes then, and mean nothing.
 /// @throws Error{kBadInput}, in one line with the remedy. Cost: a look at 32 slices, whatever they hold.
-void refuse_noise(const LabelImage& image);
+void require_segmentation(const LabelImage& image);
 
-/// The error for so many pairs of labels.
-void refuse_pairs(std::size_t pairs);
+/// @throws Error{kBadInput} if more than 100,000 pairs of labels touch.
+void require_few_pairs(std::size_t pairs);
 
 }  // namespace lumesh::field

@@ -20,7 +20,7 @@ constexpr float kTooStiff =
     0.002F;  // mean violation, voxels: a surface that is off by e violates e^2/2 in the mean
 constexpr float kMaxCounted = 0.15F;  // violations count up to here, so that single voxels count little
 constexpr float kStep = 3;            // a step divides the stiffness by 2^3
-const float kLeast = std::log2(0.02F / static_cast<float>(kThird));
+const float kMinStiffness = std::log2(0.02F / static_cast<float>(kThird));
 constexpr float kMedialStiffness = -12;  // to base 2, between two walls
 constexpr int kBorderReach = 4;          // voxels from the image's border, near which fits are extrapolated
 const float kLogHold = std::log2(kHold);
@@ -198,8 +198,9 @@ struct StiffnessLoops {
       a.locked_[at] = static_cast<std::uint8_t>(a.locked_[at] & ~unlocked[at]);
       a.beyond_noise_[at] = static_cast<std::uint8_t>(a.beyond_noise_[at] | unlocked[at]);
       const Lanes old = load(a.logarithm_.at(s)), lower = old - 3 * kStep;
-      store(a.logarithm_.at(s),
-            mask_of(unlocked[at]) ? (lower > Lanes{} + kLeast ? lower : Lanes{} + kLeast) : old);
+      store(a.logarithm_.at(s), mask_of(unlocked[at])
+                                    ? (lower > Lanes{} + kMinStiffness ? lower : Lanes{} + kMinStiffness)
+                                    : old);
     }
   }
   /// Violations at the boundary, cut off.
@@ -238,7 +239,8 @@ struct StiffnessLoops {
       const auto bits = static_cast<std::uint8_t>(
           ((bits_of(too_stiff) & ~a.locked_[at]) | (a.creases_[at] & ~a.near_border_[at])) & band.alive(s));
       const Lanes old = load(a.logarithm_.at(s)), lower = old - kStep;
-      store(a.logarithm_.at(s), mask_of(bits) ? (lower > Lanes{} + kLeast ? lower : Lanes{} + kLeast) : old);
+      store(a.logarithm_.at(s),
+            mask_of(bits) ? (lower > Lanes{} + kMinStiffness ? lower : Lanes{} + kMinStiffness) : old);
       a.softened_[at] = bits;
     }
   }
@@ -251,7 +253,7 @@ struct StiffnessLoops {
     for (int s = begin; s < end; ++s) {
       const LaneMask alive = mask_of(band.alive(s));
       Lanes mean = keep(load(means.at(s)), alive);
-      mean = mean > Lanes{} + kLeast ? mean : Lanes{} + kLeast;
+      mean = mean > Lanes{} + kMinStiffness ? mean : Lanes{} + kMinStiffness;
       store(logarithm.at(s), keep(mean, alive));
       store(stiffness.at(s), keep(power_of_two(mean), alive));
     }

@@ -8,11 +8,11 @@ namespace lumesh {
 namespace {
 
 std::string first_labels(std::span<const Label> labels) {
-  constexpr std::size_t kMost = 20;
+  constexpr std::size_t kMax = 20;
   std::string list;
-  for (std::size_t i = 0; i < std::min(kMost, labels.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMax, labels.size()); ++i)
     list += (i > 0 ? ", " : "") + std::to_string(labels[i]);
-  return labels.size() > kMost ? list + ", ..." : list;
+  return labels.size() > kMax ? list + ", ..." : list;
 }
 
 }  // namespace

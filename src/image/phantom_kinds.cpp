@@ -307,8 +307,8 @@ PhantomGeometry torus_geometry(const PhantomSpec& spec) {
   return geometry;
 }
 
-[[noreturn]] void refuse(const PhantomSpec& spec, std::string_view field, double value, double low,
-                         double high) {
+[[noreturn]] void throw_out_of_range(const PhantomSpec& spec, std::string_view field, double value,
+                                     double low, double high) {
   throw Error(
       ErrorKind::kUsage,
       fmt::format(
@@ -319,7 +319,8 @@ PhantomGeometry torus_geometry(const PhantomSpec& spec) {
 
 void check_range(const PhantomSpec& spec, std::string_view field, double value, double low, double high) {
   constexpr double kSlack = 1e-9;
-  if (!(value >= low * (1 - kSlack) && value <= high * (1 + kSlack))) refuse(spec, field, value, low, high);
+  if (!(value >= low * (1 - kSlack) && value <= high * (1 + kSlack)))
+    throw_out_of_range(spec, field, value, low, high);
 }
 
 }  // namespace

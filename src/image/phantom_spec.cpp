@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 5> kKindNames = {"carotid", "bifurcation"
                                                         "torus"};
 constexpr int kFormatVersion = 1;
 
-[[noreturn]] void refuse(const PhantomSpec& spec, const std::string& what) {
+[[noreturn]] void throw_bad_spec(const PhantomSpec& spec, const std::string& what) {
   throw Error(ErrorKind::kUsage, fmt::format("phantom {}: {}", phantom_kind_name(spec.kind), what));
 }
 
@@ -31,8 +31,9 @@ void check_noise(const PhantomSpec& spec) {
                                                              : spec.radius_mm;
   const double noise_mm = spec.noise_voxels * spec.spacing_mm.maxCoeff();
   if (noise_mm > 0.4 * thinnest)
-    refuse(spec, fmt::format("noise of {:.3g} mm is more than 0.4 times the smallest radius, {:.3g} mm",
-                             noise_mm, thinnest));
+    throw_bad_spec(spec,
+                   fmt::format("noise of {:.3g} mm is more than 0.4 times the smallest radius, {:.3g} mm",
+                               noise_mm, thinnest));
 }
 
 template <class Value>
@@ -136,8 +137,8 @@ PhantomSpec resolve(const PhantomSpec& spec) {
   naming(fmt::format("phantom {}", phantom_kind_name(spec.kind)), [&] { require_ranges_of(spec); });
   image::fill_defaults(full);
   // By kind are all three numbers or none.
-  if ((full.size.array() == 0).any()) refuse(spec, "size must be positive in every direction");
-  if ((full.spacing_mm.array() == 0).any()) refuse(spec, "every spacing must be positive");
+  if ((full.size.array() == 0).any()) throw_bad_spec(spec, "size must be positive in every direction");
+  if ((full.spacing_mm.array() == 0).any()) throw_bad_spec(spec, "every spacing must be positive");
   image::check_radii(full);
   check_noise(full);
   return full;

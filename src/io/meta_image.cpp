@@ -106,9 +106,9 @@ VoxelType voxel_type(const fs::path& path, const std::string& name) {
 }
 
 std::size_t dimension_count(const fs::path& path, const MetaHeader& header) {
-  constexpr std::int64_t kMost = 10;
+  constexpr std::int64_t kMax = 10;
   const std::int64_t dimensions = header.integer("NDims", 0);
-  if (dimensions < 1 || dimensions > kMost) fail(path, "has a damaged header (NDims); save it again");
+  if (dimensions < 1 || dimensions > kMax) fail(path, "has a damaged header (NDims); save it again");
   if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
   return static_cast<std::size_t>(dimensions);
 }
@@ -126,8 +126,8 @@ std::size_t volume_count(const fs::path& path, const MetaHeader& header) {
   const std::vector<double> all = header.numbers({"DimSize"}, n);
   if (all.empty()) fail(path, "its header has no DimSize; save it again");
   for (std::size_t i = 3; i < n; ++i) {
-    constexpr double kMost = 1e9;
-    sizes.push_back(std::abs(all[i]) < kMost ? static_cast<std::int64_t>(all[i]) : 0);
+    constexpr double kMax = 1e9;
+    sizes.push_back(std::abs(all[i]) < kMax ? static_cast<std::int64_t>(all[i]) : 0);
   }
   if (sizes.front() > 1 && product_of_sizes(path, {sizes.data() + 1, sizes.size() - 1}) > 1)
     fail(path, fmt::format("has several volumes of {} values per voxel; save one of them", sizes.front()));

@@ -12,10 +12,10 @@ namespace lumesh::io {
 namespace fs = std::filesystem;
 
 std::size_t product_of_sizes(const fs::path& path, std::span<const std::int64_t> sizes) {
-  constexpr std::int64_t kMost = 1'000'000;
+  constexpr std::int64_t kMax = 1'000'000;
   std::int64_t product = 1;
   for (const std::int64_t size : sizes) {
-    if (size < 1 || size > kMost || product * size > kMost)
+    if (size < 1 || size > kMax || product * size > kMax)
       fail(path, fmt::format("has a damaged header ({} volumes); save it again", size));
     product *= size;
   }

@@ -93,7 +93,7 @@ class DirectionFinder {
   /// Heights are met in the mean over the triangles around, as far as they allow it also as the distance from
   /// the surface, and nearly so over each triangle.
   [[nodiscard]] double stretch(std::size_t v, const Vec3& direction, double least) const {
-    constexpr double kMost = 2, kRounding = 1 + 1e-12, kOff = 0.019;
+    constexpr double kMax = 2, kRounding = 1 + 1e-12, kOff = 0.019;
     double sum = 0, weights = 0;
     for (const std::uint32_t t : surface_.triangles_around.of(v)) {
       const double weight = triangle_area(surface_.points, surface_.triangles[t]);
@@ -103,7 +103,7 @@ class DirectionFinder {
     const double of_mean = weights / std::max(sum, 1e-9), of_distance = 1 / distance(v, direction);
     const double wanted = std::clamp(of_mean, (1 - kOff) * of_distance, (1 + kOff) * of_distance);
     const double met = std::clamp(wanted, (1 - kOff) * of_mean, (1 + kOff) * of_mean);
-    return std::min(kMost, std::max(met, kRounding * Directions::kMinHeight / least));
+    return std::min(kMax, std::max(met, kRounding * Directions::kMinHeight / least));
   }
   /// Distance that a short step along the direction gains from the triangles around, as a share of it.
   [[nodiscard]] double distance(std::size_t v, const Vec3& direction) const {

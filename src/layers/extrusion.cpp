@@ -201,7 +201,7 @@ class Extruder {
   /// Area of the largest hole of the whole section, where that is a hollow wall's: of a quarter of the
   /// section or more, as Opening::is_hollow(). Else 0.
   [[nodiscard]] double hollow_lumen_mm2(const SweptSection& s, double section_mm2) const {
-    constexpr double kLeast = 0.25;
+    constexpr double kMin = 0.25;
     const auto rim = rim_of(s);
     DisjointSets loops(s.vertices.size());
     const auto number = [&](std::uint32_t v) {
@@ -214,7 +214,7 @@ class Extruder {
           0.5 * (point(from) - s.centre_mm).cross(point(to) - s.centre_mm).dot(s.normal);
     double largest_mm2 = 0;
     for (const auto& [loop, area] : area_of) largest_mm2 = std::max(largest_mm2, -area);
-    return largest_mm2 < kLeast * section_mm2 ? 0 : largest_mm2;
+    return largest_mm2 < kMin * section_mm2 ? 0 : largest_mm2;
   }
 
   /// The vessel's direction in the section; the normal where the walls do not say one, and where it is that

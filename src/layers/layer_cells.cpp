@@ -21,7 +21,7 @@ class LayerBuilder {
                const LayerOptions& options, Label label)
       : mesh_(footing.mesh),
         faces_(footing.faces),
-        choice_(footing.choice),
+        selection_(footing.selection),
         vertices_(footing.vertices),
         metric_(footing.metric),
         frame_(frame),
@@ -111,7 +111,7 @@ class LayerBuilder {
       const Cell<3>& c = faces_.triangles[f];
       const auto patch = static_cast<std::size_t>(faces_.patches[f]);
       const bool unlayered = std::ranges::none_of(c, [&](std::uint32_t v) { return at_layers[v] != 0; });
-      if (choice_.layered[patch] == 0)
+      if (selection_.layered[patch] == 0)
         add_face(c, faces_.patches[f]);
       else if (unlayered)
         add_face(c, patch_of_unlayered(patch));
@@ -122,7 +122,7 @@ class LayerBuilder {
   }
   std::int32_t patch_of_unlayered(std::size_t patch) {
     const Patch whole = mesh_.info().patches[patch];
-    const bool is_same = is_inward_ && choice_.between[patch] == 0;
+    const bool is_same = is_inward_ && selection_.between[patch] == 0;
     return is_same ? static_cast<std::int32_t>(patch)
                    : patch_named(whole.name + "_bare", PatchKind::kWall, whole.labels);
   }
@@ -226,7 +226,7 @@ class LayerBuilder {
 
   const TetMesh& mesh_;
   const BoundaryFaces& faces_;
-  const Choice& choice_;
+  const PatchSelection& selection_;
   const std::vector<std::uint32_t>& vertices_;
   const MetricAtFoot& metric_;
   const ExtrusionFrame& frame_;

@@ -15,7 +15,7 @@ using MetricAtFoot = std::function<SymTensor(const Vec3& point, VertexId foot)>;
 struct Footing {
   const TetMesh& mesh;
   const BoundaryFaces& faces;
-  const Choice& choice;                        ///< Choice of the mesh's patches.
+  const PatchSelection& selection;             ///< Selection of the mesh's patches.
   const std::vector<std::uint32_t>& vertices;  ///< Vertex of the mesh at each column: its lower end, or its
                                                ///< upper one where layers grow inwards.
   MetricAtFoot metric;                         ///< None where the mesh has none.

@@ -77,7 +77,8 @@ void find_rim(const BoundaryFaces& faces, const std::vector<std::uint8_t>& layer
 
 /// Planes of patches that are flat, and of those that nearly are, such as openings a little crooked at their
 /// rim. The rest is frozen, and so is what layers grow on.
-operators::PatchShapes shapes_around(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice) {
+operators::PatchShapes shapes_around(const TetMesh& mesh, const BoundaryFaces& faces,
+                                     const PatchSelection& selection) {
   constexpr double kFlat = 0.02;  // Of the patch's size.
   operators::PatchShapes shapes = operators::planes_where_flat(mesh);
   const std::size_t patches = shapes.size();
@@ -100,7 +101,7 @@ operators::PatchShapes shapes_around(const TetMesh& mesh, const BoundaryFaces& f
       size[p] = std::max(size[p], from.norm());
     }
   for (std::size_t p = 0; p < patches; ++p) {
-    if (choice.layered[p] != 0 || choice.between[p] != 0)
+    if (selection.layered[p] != 0 || selection.between[p] != 0)
       shapes[p] = {};
     else if (shapes[p].freedom == operators::PatchFreedom::kFrozen && off[p] <= kFlat * size[p])
       shapes[p] = {operators::PatchFreedom::kPlane, normals[p], normals[p].dot(middles[p])};
@@ -127,16 +128,16 @@ void RimPlanes::add(const Vec3& normal) {
   ++count;
 }
 
-LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
+LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces, const PatchSelection& selection,
                         bool is_inward) {
   LayerSurface surface;
-  take_triangles(mesh, faces, choice.layered, surface);
+  take_triangles(mesh, faces, selection.layered, surface);
   if (is_inward)
     for (Cell<3>& t : surface.triangles) std::swap(t[1], t[2]);
   find_neighbours(surface);
-  find_rim(faces, choice.layered, surface);
+  find_rim(faces, selection.layered, surface);
   surface.planes.resize(surface.points.size());
-  surface.shapes = shapes_around(mesh, faces, choice);
+  surface.shapes = shapes_around(mesh, faces, selection);
   for (const RimEdge& edge : surface.rim) {
     const operators::PatchShape shape =
         edge.patch >= 0 ? surface.shapes[static_cast<std::size_t>(edge.patch)] : operators::PatchShape{};

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "choice.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
 #include "lumesh/parallel/adjacency.hpp"
+#include "patch_selection.hpp"
 
 namespace lumesh::layers {
 
@@ -45,7 +45,7 @@ struct LayerSurface {
 };
 
 /// The triangles of the patches chosen. @param is_inward  Layers grow into the mesh.
-[[nodiscard]] LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
-                                      bool is_inward);
+[[nodiscard]] LayerSurface surface_of(const TetMesh& mesh, const BoundaryFaces& faces,
+                                      const PatchSelection& selection, bool is_inward);
 
 }  // namespace lumesh::layers

@@ -9,7 +9,6 @@
 #include <set>
 #include <utility>
 
-#include "choice.hpp"
 #include "coverage.hpp"
 #include "interior_deformation.hpp"
 #include "layer_cells.hpp"
@@ -21,6 +20,7 @@
 #include "lumesh/metric/background_field.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/metric/shaping.hpp"
+#include "patch_selection.hpp"
 
 namespace lumesh {
 namespace {
@@ -89,9 +89,9 @@ void require_fitting_thickness(double thinnest_mm, double thickness, std::string
 
 namespace {
 
-LayerSurface chosen_surface(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
+LayerSurface chosen_surface(const TetMesh& mesh, const BoundaryFaces& faces, const PatchSelection& selection,
                             bool is_inward) {
-  LayerSurface surface = surface_of(mesh, faces, choice, is_inward);
+  LayerSurface surface = surface_of(mesh, faces, selection, is_inward);
   if (surface.triangles.empty())
     throw Error(ErrorKind::kBadInput, "no patch for layers has a triangle; name one with `patch`");
   return surface;
@@ -150,11 +150,11 @@ LayerReport report_on(const TetMesh& mesh, const ExtrusionFrame& frame, const Wa
   return report;
 }
 
-LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
+LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const PatchSelection& selection,
                     const LayerOptions& options, Context& context) {
   const bool is_inward = options.side == LayerSide::kInward;
   const LayerSurface surface =
-      context.phase("surface", [&] { return chosen_surface(mesh, faces, choice, is_inward); });
+      context.phase("surface", [&] { return chosen_surface(mesh, faces, selection, is_inward); });
   const Directions directions = context.phase("directions", [&] { return marching_directions(surface); });
   const ExtrusionFrame frame{surface, directions};
   WantedColumns wanted = columns_on(mesh, faces, options, frame, context);
@@ -169,25 +169,25 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Choic
       context.warn("no layers: nowhere are cells of these heights sound; see the reasons");
     return result;
   };
-  if (!is_inward) return layers_on({mesh, faces, choice, surface.vertices, metric_at_foot(mesh)});
+  if (!is_inward) return layers_on({mesh, faces, selection, surface.vertices, metric_at_foot(mesh)});
   const Core core =
       context.phase("interior deformation", [&] { return deform_interior(mesh, faces, frame, columns); });
   return layers_on(
-      {core.mesh, core.mesh.boundary_faces(), choice, core.vertices, metric_before(mesh, core.mesh)});
+      {core.mesh, core.mesh.boundary_faces(), selection, core.vertices, metric_before(mesh, core.mesh)});
 }
 
 /// Layers within one label of several: that part alone is deformed, and keeps its faces against the others.
-LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const Choice& choice,
+LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const PatchSelection& selection,
                          const LayerOptions& options, Context& context) {
   const MixedMesh whole = copy_of(mesh.view(faces));
   std::set<Label> others = labels_of(whole);
-  others.erase(choice.into);
+  others.erase(selection.into);
   const auto [part, rest] = context.phase("part", [&] {
-    return std::pair{part_of(whole, {choice.into}), part_of(whole, others)};
+    return std::pair{part_of(whole, {selection.into}), part_of(whole, others)};
   });
   TetMesh of_part = TetMesh::build(part.mesh.view());
   if (!part.mesh.metric.empty()) metric::set_metric(of_part, part.mesh.metric);
-  LayerResult result = grow_on(of_part, of_part.boundary_faces(), choice.in_part(part), options, context);
+  LayerResult result = grow_on(of_part, of_part.boundary_faces(), selection.in_part(part), options, context);
   const std::array<MergePart, 2> parts = {{{&result.mesh, "layers"}, {&rest.mesh, "rest"}}};
   result.mesh = context.phase("merge", [&] {
     return merge_meshes(parts, {.tolerance = 0,
@@ -204,12 +204,12 @@ LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const 
 LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context) {
   options.validate();
   const BoundaryFaces faces = mesh.boundary_faces();
-  const Choice choice = choice_of(mesh, faces, options);
+  const PatchSelection selection = select_patches(mesh, faces, options);
   LayerOptions of_label = options;
   of_label.label = label_of_layers(mesh, options.label);
-  if (options.side == LayerSide::kInward && choice.is_part)
-    return grow_in_part(mesh, faces, choice, of_label, context);
-  return grow_on(mesh, faces, choice, of_label, context);
+  if (options.side == LayerSide::kInward && selection.is_part)
+    return grow_in_part(mesh, faces, selection, of_label, context);
+  return grow_on(mesh, faces, selection, of_label, context);
 }
 
 }  // namespace lumesh

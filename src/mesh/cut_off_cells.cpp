@@ -26,7 +26,7 @@
 namespace lumesh {
 namespace {
 
-[[noreturn]] void refuse_cut(const std::string& message) {
+[[noreturn]] void throw_bad_cut(const std::string& message) {
   throw Error(ErrorKind::kBadInput, option_name("cut_planes") + ": " + message);
 }
 
@@ -222,8 +222,8 @@ class Cutter {
     made_.farthest_moved_mm = VertexSlide(mesh_, normal_, heights_).run();
     divide();
     if (mesh_.view().cell_count() == 0)
-      refuse_cut("nothing of the mesh is left behind the plane at " + coordinates_text(origin_) +
-                 "; what lies on the normal's side is cut off");
+      throw_bad_cut("nothing of the mesh is left behind the plane at " + coordinates_text(origin_) +
+                    "; what lies on the normal's side is cut off");
     add_openings();
     drop_unused_points();
     return made_;
@@ -235,16 +235,16 @@ class Cutter {
 
   void check_sides() const {
     if (std::ranges::none_of(heights_, [](double h) { return h > 0; }))
-      refuse_cut("nothing of the mesh lies beyond the plane at " + coordinates_text(origin_) +
-                 "; what lies on the normal's side is cut off");
+      throw_bad_cut("nothing of the mesh lies beyond the plane at " + coordinates_text(origin_) +
+                    "; what lies on the normal's side is cut off");
     const auto check = [&](const auto& cells) {
       for (const auto& cell : cells) {
         const bool is_beyond = heights_[cell[0]] > 0;
         for (const std::uint32_t v : cell)
           if (heights_[v] == 0 || (heights_[v] > 0) != is_beyond)
-            refuse_cut("the plane passes through prisms, pyramids or hexahedra at " +
-                       coordinates_text(mesh_.points[v]) +
-                       "; cut the mesh before layers are made, or mesh the input with the cut");
+            throw_bad_cut("the plane passes through prisms, pyramids or hexahedra at " +
+                          coordinates_text(mesh_.points[v]) +
+                          "; cut the mesh before layers are made, or mesh the input with the cut");
       }
     };
     check(mesh_.pyramids), check(mesh_.prisms), check(mesh_.hexahedra);
@@ -313,8 +313,8 @@ class Cutter {
     const std::vector<Vec3>& p = mesh_.points;
     const bool is_as_given = std::ranges::all_of(tet, [&](std::uint32_t v) { return heights_[v] < 0; });
     if (!is_as_given && !(orient3d(p[a], p[b], p[c], p[d]) > 0))
-      refuse_cut("the plane would leave a flat tetrahedron at " + coordinates_text(p[a]) +
-                 "; move it a little");
+      throw_bad_cut("the plane would leave a flat tetrahedron at " + coordinates_text(p[a]) +
+                    "; move it a little");
   }
   template <class Cells, class Values>
   void keep_before(Cells& cells, Values& values) const {

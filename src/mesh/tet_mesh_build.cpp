@@ -33,35 +33,37 @@ std::size_t first_failing(std::size_t count, const Fails& fails) {
       [](std::size_t a, std::size_t b) { return std::min(a, b); });
 }
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void throw_bad_mesh(const std::string& message) {
   throw Error(ErrorKind::kBadInput, "mesh: " + message);
 }
 
 void check_input(std::span<const Vec3> points, std::span<const Cell<4>> tets, std::span<const Label> labels) {
   if (labels.size() != tets.size())
-    refuse(std::to_string(tets.size()) + " tetrahedra but " + std::to_string(labels.size()) + " labels");
+    throw_bad_mesh(std::to_string(tets.size()) + " tetrahedra but " + std::to_string(labels.size()) +
+                   " labels");
   if (points.size() > TetMesh::kMaxVertices || tets.size() > TetMesh::kMaxTets)
-    refuse("too large: at most 2^30 vertices and 10^9 tetrahedra; choose a coarser mesh");
+    throw_bad_mesh("too large: at most 2^30 vertices and 10^9 tetrahedra; choose a coarser mesh");
   const std::size_t bad_point =
       first_failing(points.size(), [&](std::size_t i) { return !points[i].allFinite(); });
   if (bad_point != kNothing)
-    refuse("vertex " + std::to_string(bad_point) + " has a coordinate that is not finite");
+    throw_bad_mesh("vertex " + std::to_string(bad_point) + " has a coordinate that is not finite");
   const std::size_t bad_label = first_failing(labels.size(), [&](std::size_t t) { return labels[t] < 0; });
-  if (bad_label != kNothing) refuse("tetrahedron " + std::to_string(bad_label) + " has a negative label");
+  if (bad_label != kNothing)
+    throw_bad_mesh("tetrahedron " + std::to_string(bad_label) + " has a negative label");
   const auto out_of_range = [&](std::size_t t) {
     return std::ranges::any_of(tets[t], [&](std::uint32_t v) { return v >= points.size(); });
   };
   const std::size_t bad_index = first_failing(tets.size(), out_of_range);
   if (bad_index != kNothing)
-    refuse("tetrahedron " + std::to_string(bad_index) + " " + corners_text(tets[bad_index]) +
-           " names a vertex that is not there; there are " + std::to_string(points.size()));
+    throw_bad_mesh("tetrahedron " + std::to_string(bad_index) + " " + corners_text(tets[bad_index]) +
+                   " names a vertex that is not there; there are " + std::to_string(points.size()));
   const std::size_t inverted = first_failing(tets.size(), [&](std::size_t t) {
     const auto& [a, b, c, d] = tets[t];
     return orient3d(points[a], points[b], points[c], points[d]) <= 0;
   });
   if (inverted != kNothing)
-    refuse("tetrahedron " + std::to_string(inverted) + " " + corners_text(tets[inverted]) +
-           " is inverted or flat; exchange two of its vertices or repair the mesh");
+    throw_bad_mesh("tetrahedron " + std::to_string(inverted) + " " + corners_text(tets[inverted]) +
+                   " is inverted or flat; exchange two of its vertices or repair the mesh");
 }
 
 /// A face of a tetrahedron.
@@ -77,16 +79,16 @@ class PatchSearch {
   explicit PatchSearch(const PatchTable& table)
       : entries_(table.triangles.size()), used_(table.triangles.size(), 0) {
     if (table.patches.size() != table.triangles.size())
-      refuse(std::to_string(table.triangles.size()) + " boundary triangles but " +
-             std::to_string(table.patches.size()) + " patches");
+      throw_bad_mesh(std::to_string(table.triangles.size()) + " boundary triangles but " +
+                     std::to_string(table.patches.size()) + " patches");
     parallel::for_each_index(entries_.size(), [&](std::size_t i) {
       entries_[i] = {sorted_corners(table.triangles[i]), table.patches[i], static_cast<std::uint32_t>(i)};
     });
     parallel::sort(entries_.begin(), entries_.end());
     for (std::size_t i = 1; i < entries_.size(); ++i)
       if (entries_[i].corners == entries_[i - 1].corners && entries_[i].patch != entries_[i - 1].patch)
-        refuse("boundary triangle " + corners_text(entries_[i].corners) +
-               " stands twice with different patches");
+        throw_bad_mesh("boundary triangle " + corners_text(entries_[i].corners) +
+                       " stands twice with different patches");
   }
 
   /// Patch of a face, or -1. Different faces may be asked for at the same time.
@@ -104,9 +106,9 @@ class PatchSearch {
   void require_all_used() const {
     for (std::size_t i = 0; i < entries_.size(); ++i)
       if (used_[i] == 0)
-        refuse("boundary triangle " + std::to_string(entries_[i].index) + " " +
-               corners_text(entries_[i].corners) +
-               " is neither on the outside of the tetrahedra nor between two labels; remove it");
+        throw_bad_mesh("boundary triangle " + std::to_string(entries_[i].index) + " " +
+                       corners_text(entries_[i].corners) +
+                       " is neither on the outside of the tetrahedra nor between two labels; remove it");
   }
 
  private:
@@ -185,7 +187,7 @@ struct TetMesh::Assembly {
       mesh.set_link(t, f, FaceLink::to(u, g));
       mesh.set_link(u, g, FaceLink::to(t, f));
     });
-    if (!problems.empty()) refuse(problems.front());
+    if (!problems.empty()) throw_bad_mesh(problems.front());
   }
 
   void find_open_faces() {
@@ -217,8 +219,9 @@ struct TetMesh::Assembly {
       const std::string face = "face " + corners_text(mesh.face_corners(open.tet, open.face)) +
                                " of tetrahedron " + std::to_string(open.tet.value);
       if (open.patch < 0)
-        refuse(face + " is on the boundary but has no patch; add a boundary triangle there");
-      refuse(face + " has patch " + std::to_string(open.patch) + " but there are " + std::to_string(patches));
+        throw_bad_mesh(face + " is on the boundary but has no patch; add a boundary triangle there");
+      throw_bad_mesh(face + " has patch " + std::to_string(open.patch) + " but there are " +
+                     std::to_string(patches));
     }
     const auto is_interface = [&](const OpenFace& open) {
       return !mesh.link(open.tet, open.face).is_boundary();
@@ -318,7 +321,7 @@ TetMesh TetMesh::build(std::span<const Vec3> points, std::span<const Cell<4>> te
 
 TetMesh TetMesh::build(const MeshView& view) {
   if (view.cell_count() != view.tetrahedra.size() || !view.quadrilaterals.empty())
-    refuse("has cells other than tetrahedra; this step needs tetrahedra only");
+    throw_bad_mesh("has cells other than tetrahedra; this step needs tetrahedra only");
   MeshInfo info = view.info != nullptr ? *view.info : MeshInfo();
   if (view.triangles.empty())
     return build(view.points, view.tetrahedra, view.tetrahedron_labels, std::move(info));

@@ -12,13 +12,14 @@
 namespace lumesh::pipeline {
 namespace {
 
-[[noreturn]] void refuse(const std::string& what) {
+[[noreturn]] void throw_bad_case(const std::string& what) {
   throw Error(ErrorKind::kBadInput, what);
 }
 
-void refuse_given(const std::vector<std::string>& options, const std::string& input) {
+void require_none(const std::vector<std::string>& options, const std::string& input) {
   if (options.empty()) return;
-  refuse(fmt::format("[input] {} is for images; leave it out with {}", fmt::join(options, ", "), input));
+  throw_bad_case(
+      fmt::format("[input] {} is for images; leave it out with {}", fmt::join(options, ", "), input));
 }
 
 void check_input(const Case& c) {
@@ -26,23 +27,24 @@ void check_input(const Case& c) {
   const int given =
       (input.image.empty() ? 0 : 1) + (input.surface.empty() ? 0 : 1) + (input.phantom.empty() ? 0 : 1);
   if (given != 1)
-    refuse("[input] needs one of image, surface and phantom, not " + std::to_string(given) + " of them");
+    throw_bad_case("[input] needs one of image, surface and phantom, not " + std::to_string(given) +
+                   " of them");
   if (!input.surface.empty() && c.mesher == Mesher::kLattice)
-    refuse("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
+    throw_bad_case("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
   naming("[input]", [&] { input.cuts.validate(); });
   const ImageSelection& selection = input.selection;
-  if (!input.surface.empty()) refuse_given(selection.given(), "surface");
+  if (!input.surface.empty()) require_none(selection.given(), "surface");
   if (input.phantom.empty()) return;
   ImageSelection of_phantoms = selection;  // Without what is for files.
   of_phantoms.labels.clear();
   of_phantoms.largest_component = of_phantoms.fill_cavities = false;
   of_phantoms.drop_below = 0;
   of_phantoms.touching = TouchChoice::kKeep;
-  refuse_given(of_phantoms.given(), "phantom");
+  require_none(of_phantoms.given(), "phantom");
   try {
     static_cast<void>(phantom_kind_from_name(input.phantom));
   } catch (const Error& unknown) {
-    refuse(std::string("[input] ") + unknown.what());
+    throw_bad_case(std::string("[input] ") + unknown.what());
   }
 }
 
@@ -51,11 +53,11 @@ bool has_keys(const Case& c, const std::string& section) {
 }
 
 /// Refuses settings for the mesher that is not taken: they would be set for nothing.
-void refuse_other_mesher(const Case& c) {
+void require_one_mesher(const Case& c) {
   const bool is_lattice = c.mesher == Mesher::kLattice;
   const std::string other = is_lattice ? "delaunay" : "lattice";
   if (has_keys(c, other))
-    refuse(fmt::format(
+    throw_bad_case(fmt::format(
         "[{0}] is for mesher = \"{0}\", and the mesher is {1}; set mesher or leave the section out", other,
         is_lattice ? "lattice" : "delaunay"));
 }
@@ -87,9 +89,10 @@ void check_given(const Case& c, const std::set<std::string>& given) {
       if (!has(key.name)) continue;
       for (const std::string& other : key.excluded)
         if (has(other))
-          refuse(fmt::format("{}{} and {} exclude each other; give one of them", head, key.name, other));
+          throw_bad_case(
+              fmt::format("{}{} and {} exclude each other; give one of them", head, key.name, other));
       for (const std::string& other : key.needed)
-        if (!has(other)) refuse(fmt::format("{}{} needs {}", head, key.name, other));
+        if (!has(other)) throw_bad_case(fmt::format("{}{} needs {}", head, key.name, other));
     }
   }
 }
@@ -97,20 +100,20 @@ void check_given(const Case& c, const std::set<std::string>& given) {
 void check_metric(const Case& c) {
   const metric::MetricRequest& m = c.metric;
   if (m.source<metric::VelocitySource>().velocity == "phantom" && c.input.phantom.empty())
-    refuse("[metric] velocity = \"phantom\" needs [input] phantom");
+    throw_bad_case("[metric] velocity = \"phantom\" needs [input] phantom");
   if (m.source<metric::TensorSource>().is_wanted() || m.source<metric::HessianSource>().is_wanted())
-    refuse(
+    throw_bad_case(
         "[metric] metric and hessian have a value for each vertex of a mesh that is there; use `lumesh "
         "metric` and `lumesh adapt` on that mesh");
   if (m.limits.complexity > 0 && !m.has_source())
-    refuse("[metric] complexity has nothing to scale; give points, velocity, curvature or analytic");
+    throw_bad_case("[metric] complexity has nothing to scale; give points, velocity, curvature or analytic");
 }
 
-void refuse_unused(const Case& c) {
+void check_unused(const Case& c) {
   if (c.metric.has_source()) return;
   for (const char* section : {"metric", "adapt"})
     if (has_keys(c, section))
-      refuse(
+      throw_bad_case(
           fmt::format("[{}] changes nothing without sizes; give points, velocity, curvature or analytic in "
                       "[metric], or leave the section out",
                       section));
@@ -121,11 +124,11 @@ void check_mixed(const Case& c) {
   if (!c.makes_mixed_mesh()) return;
   constexpr const char* kRemedy = "leave one of them out; without mixed the lattice makes tetrahedra only";
   if (c.metric.has_source())
-    refuse(fmt::format(
+    throw_bad_case(fmt::format(
         "[lattice] mixed makes hexahedra and pyramids, which [metric] and [adapt] do not change; {}",
         kRemedy));
   if (c.layers.is_wanted() && c.layers.options.side == LayerSide::kInward)
-    refuse(fmt::format(
+    throw_bad_case(fmt::format(
         "[lattice] mixed makes hexahedra and pyramids, which layers cannot deform with [layers] side "
         "= \"inward\"; {}",
         kRemedy));
@@ -137,7 +140,7 @@ void check_shapes(const Case& c) {
   if (!c.makes_mixed_mesh() && !has_prisms) return;
   for (const std::string& name : c.output.meshes)
     if (!is_for(name, FileUse::kWriteMixed))
-      refuse(fmt::format("[output] meshes: {} holds tetrahedra only, not the {}; use {}, or {}", name,
+      throw_bad_case(fmt::format("[output] meshes: {} holds tetrahedra only, not the {}; use {}, or {}", name,
                          has_prisms ? "prisms of [layers]" : "hexahedra of [lattice] mixed",
                          formats_for(FileUse::kWriteMixed),
                          has_prisms ? "set [layers] cells = \"tetrahedra\"" : "leave mixed out"));
@@ -146,7 +149,7 @@ void check_shapes(const Case& c) {
 void check_layer_keys(const Case& c) {
   if (!c.layers.is_wanted()) {
     if (has_keys(c, "layers"))
-      refuse(
+      throw_bad_case(
           "[layers] first_height is missing: the height of the layer next to the surface; without layers "
           "leave the section out");
     return;
@@ -167,29 +170,30 @@ void check_section(const std::string& section, const Check& check) {
 }
 
 void check_output(const Case& c) {
-  if (c.output.meshes.empty()) refuse("[output] meshes names no file; such as [\"mesh.vtu\"]");
+  if (c.output.meshes.empty()) throw_bad_case("[output] meshes names no file; such as [\"mesh.vtu\"]");
   for (const std::string& name : c.output.meshes)
     naming("[output] meshes", [&] { require_format(name, FileUse::kWriteVolume); });
   std::set<std::filesystem::path> folders_of_foam;
   for (const std::filesystem::path name : c.output.meshes)
     if (name.extension() == ".foam" && !folders_of_foam.insert(name.parent_path()).second)
-      refuse(
+      throw_bad_case(
           fmt::format("[output] meshes: {} would replace the mesh of another .foam, since a folder has one "
                       "constant/polyMesh; name one of them",
                       name.string()));
   if (!c.output.surface.empty())
     naming("[output] surface", [&] { require_format(c.output.surface, FileUse::kWriteSurface); });
   if (!c.output.report.empty() && !c.output.report.ends_with(".html"))
-    refuse(fmt::format("[output] report: {} must end in .html", c.output.report));
+    throw_bad_case(fmt::format("[output] report: {} must end in .html", c.output.report));
   if (!c.output.json.empty() && !c.output.json.ends_with(".json"))
-    refuse(fmt::format("[output] json: {} must end in .json", c.output.json));
+    throw_bad_case(fmt::format("[output] json: {} must end in .json", c.output.json));
   const std::vector<std::string> names = names_of_files(c);
   for (const std::string& name : names) {
     const std::filesystem::path path = name;
     if (path.has_parent_path())
-      refuse(fmt::format("[output] {} must be a name without folders; all go to [output] folder", name));
+      throw_bad_case(
+          fmt::format("[output] {} must be a name without folders; all go to [output] folder", name));
     if (std::ranges::count(names, name) > 1)
-      refuse(fmt::format("[output] {} is named for two files; give each its own name", name));
+      throw_bad_case(fmt::format("[output] {} is named for two files; give each its own name", name));
   }
 }
 
@@ -198,14 +202,14 @@ void check_output(const Case& c) {
 void check_case(const Case& c, const std::set<std::string>& given) {
   check_input(c);
   check_given(c, given);
-  refuse_other_mesher(c);
+  require_one_mesher(c);
   check_section("lattice", [&] { c.lattice.validate(); });
   check_section("delaunay", [&] { c.delaunay.validate(); });
   check_section("centerline", [&] { c.centerline.options.validate(); });
   check_section("metric", [&] { c.metric.validate(); });
   check_metric(c);
   check_section("adapt", [&] { c.adapt.validate(); });
-  refuse_unused(c);
+  check_unused(c);
   check_output(c);
   check_mixed(c);
   check_shapes(c);

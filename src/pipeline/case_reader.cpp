@@ -31,7 +31,7 @@ class CaseReader {
 
   void read(const std::string& text, const std::vector<CaseSection>& sections) {
     const toml::table table = parsed(text);
-    refuse_unknown(table, sections);
+    check_sections(table, sections);
     for (const CaseSection& section : sections) {
       const toml::table* const part = section.name.empty() ? &table : table[section.name].as_table();
       if (part == nullptr) continue;
@@ -57,25 +57,25 @@ class CaseReader {
     }
   };
 
-  [[noreturn]] void refuse(const toml::source_region& where, const std::string& what) const {
+  [[noreturn]] void throw_bad_entry(const toml::source_region& where, const std::string& what) const {
     const std::string line = has_lines_ ? fmt::format(":{}", where.begin.line) : "";
     throw Error(ErrorKind::kBadInput, fmt::format("{}{}: {}", name_, line, what));
   }
-  [[noreturn]] void refuse(const Key& key, const toml::node& node, const std::string& what) const {
-    refuse(node.source(), fmt::format("{} {}", key.full_name(), what));
+  [[noreturn]] void throw_bad_entry(const Key& key, const toml::node& node, const std::string& what) const {
+    throw_bad_entry(node.source(), fmt::format("{} {}", key.full_name(), what));
   }
 
   [[nodiscard]] toml::table parsed(const std::string& text) const {
     try {
       return toml::parse(text, name_);
     } catch (const toml::parse_error& error) {
-      refuse(error.source(), std::string(error.description()));
+      throw_bad_entry(error.source(), std::string(error.description()));
     } catch (const std::logic_error& broken) {
       throw Error(ErrorKind::kBadInput, fmt::format("{}: is no TOML ({})", name_, broken.what()));
     }
   }
 
-  void refuse_unknown(const toml::table& table, const std::vector<CaseSection>& sections) const {
+  void check_sections(const toml::table& table, const std::vector<CaseSection>& sections) const {
     std::vector<std::string> first_words;
     for (const CaseSection& section : sections)
       if (!section.name.empty()) first_words.push_back(section.name);
@@ -85,14 +85,15 @@ class CaseReader {
       const auto section = std::find_if(sections.begin() + 1, sections.end(),
                                         [&](const CaseSection& one) { return one.name == name; });
       if (section != sections.end() && !node.is_table())
-        refuse(node.source(), fmt::format("{} is a section; write [{}] in a line of its own", name, name));
+        throw_bad_entry(node.source(),
+                        fmt::format("{} is a section; write [{}] in a line of its own", name, name));
       if (section != sections.end())
-        refuse_unknown_in(*section, *node.as_table());
+        check_keys(*section, *node.as_table());
       else if (std::ranges::find(first_words, name) == first_words.end())
-        refuse(word.source(), unknown(node.is_table() ? "section" : "key", name, first_words, ""));
+        throw_bad_entry(word.source(), unknown(node.is_table() ? "section" : "key", name, first_words, ""));
     }
   }
-  void refuse_unknown_in(const CaseSection& section, const toml::table& table) const {
+  void check_keys(const CaseSection& section, const toml::table& table) const {
     std::vector<std::string> known;
     for (const Option& key : section.options.all()) {
       known.push_back(key.name);
@@ -100,14 +101,14 @@ class CaseReader {
     }
     for (const auto& [word, node] : table)
       if (std::ranges::find(known, word.str()) == known.end())
-        refuse(word.source(),
-               unknown("key", std::string(word.str()), known, fmt::format(" in [{}]", section.name)));
+        throw_bad_entry(word.source(), unknown("key", std::string(word.str()), known,
+                                               fmt::format(" in [{}]", section.name)));
     for (const Option& key : section.options.all())
       for (const std::string& alias : key.aliases)
         if (table.contains(key.name) && table.contains(alias))
-          refuse(table.get(alias)->source(),
-                 fmt::format("{} is another name of {}, which is given, too; leave one out", alias,
-                             Key{section, key}.full_name()));
+          throw_bad_entry(table.get(alias)->source(),
+                          fmt::format("{} is another name of {}, which is given, too; leave one out", alias,
+                                      Key{section, key}.full_name()));
   }
   static std::string unknown(const std::string& kind, const std::string& name,
                              const std::vector<std::string>& known, const std::string& where) {
@@ -121,18 +122,18 @@ class CaseReader {
 
   [[nodiscard]] double number_of(const Key& key, const toml::node& node) const {
     const std::optional<double> number = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!number) refuse(key, node, "must be a number");
+    if (!number) throw_bad_entry(key, node, "must be a number");
     const std::string complaint = key.option.complaint(*number);
-    if (!complaint.empty()) refuse(key, node, complaint);
+    if (!complaint.empty()) throw_bad_entry(key, node, complaint);
     return *number;
   }
   template <class Integer>
   [[nodiscard]] Integer integer_of(const Key& key, const toml::node& node) const {
-    if (!node.is_integer()) refuse(key, node, "must be a whole number");
+    if (!node.is_integer()) throw_bad_entry(key, node, "must be a whole number");
     const double number = number_of(key, node);
     if (number < static_cast<double>(std::numeric_limits<Integer>::min()) ||
         number > static_cast<double>(std::numeric_limits<Integer>::max()))
-      refuse(key, node, fmt::format("is too large a number: {:g}", number));
+      throw_bad_entry(key, node, fmt::format("is too large a number: {:g}", number));
     return static_cast<Integer>(number);
   }
   /// A whole number is taken as its digits: labels have numbers and names, and the paper writes some words as
@@ -142,24 +143,24 @@ class CaseReader {
             node.is_integer() ? node.value<std::int64_t>() : std::nullopt)
       return std::to_string(*number);
     const std::optional<std::string> text = node.is_string() ? node.value<std::string>() : std::nullopt;
-    if (!text) refuse(key, node, "must be a text in quotes");
+    if (!text) throw_bad_entry(key, node, "must be a text in quotes");
     return *text;
   }
   [[nodiscard]] const toml::array& array_of(const Key& key, const toml::node& node, std::size_t count,
                                             const std::string& wanted) const {
     const toml::array* const array = node.as_array();
     if (array == nullptr || (count > 0 && array->size() != count))
-      refuse(key, node, fmt::format("must be {}", wanted));
+      throw_bad_entry(key, node, fmt::format("must be {}", wanted));
     return *array;
   }
 
   template <class Set>
-  void set_or_refuse(const Key& key, const toml::node& node, const Set& set) const {
+  void set_or_throw(const Key& key, const toml::node& node, const Set& set) const {
     try {
       set();
     } catch (const Error& senseless) {
       if (senseless.kind() != ErrorKind::kUsage) throw;  // Is a refusal of ours.
-      refuse(key, node, senseless.what());
+      throw_bad_entry(key, node, senseless.what());
     }
   }
 
@@ -168,7 +169,7 @@ class CaseReader {
   }
   void set(const Key& key, const toml::node& node, bool* target) const {
     const std::optional<bool> value = node.is_boolean() ? node.value<bool>() : std::nullopt;
-    if (!value) refuse(key, node, "must be true or false");
+    if (!value) throw_bad_entry(key, node, "must be true or false");
     *target = *value;
   }
   void set(const Key& key, const toml::node& node, int* target) const {
@@ -204,7 +205,7 @@ class CaseReader {
          array_of(key, node, 0, "a list of texts LABEL=NUMBER, such as [\"2=0.4\"]")) {
       const std::string text = text_of(key, item);
       const std::string complaint = add_label_number(text, key.option, *target);
-      if (!complaint.empty()) refuse(key, item, complaint);
+      if (!complaint.empty()) throw_bad_entry(key, item, complaint);
     }
   }
   void set(const Key& key, const toml::node& node, const OptionLabelledFiles& labelled) const {
@@ -212,7 +213,7 @@ class CaseReader {
     for (const toml::node& item :
          array_of(key, node, 0, "a list of texts FILE=LABEL, such as [\"wall.nrrd=2\"]")) {
       const std::string complaint = add_labelled_file(text_of(key, item), *labelled.files);
-      if (!complaint.empty()) refuse(key, item, complaint);
+      if (!complaint.empty()) throw_bad_entry(key, item, complaint);
       std::string& path = labelled.files->back().first;
       path = std::filesystem::absolute(folder_ / path).lexically_normal().string();
     }
@@ -223,7 +224,7 @@ class CaseReader {
     const auto row_of = [&](const toml::node& item, const std::string& wanted) {
       std::vector<double>& row = values.emplace_back();
       for (const toml::node& number : array_of(key, item, 0, wanted)) row.push_back(number_of(key, number));
-      if (!rows.takes(row.size())) refuse(key, item, fmt::format("must be {}", wanted));
+      if (!rows.takes(row.size())) throw_bad_entry(key, item, fmt::format("must be {}", wanted));
     };
     if (rows.is_single && node.is_number())
       values.emplace_back(rows.least > 0 ? rows.least : rows.width, number_of(key, node));
@@ -233,16 +234,16 @@ class CaseReader {
       for (const toml::node& item :
            array_of(key, node, 0, fmt::format("a list of lists of {}, such as [[{}]]", width, rows.example)))
         row_of(item, fmt::format("a list of lists of {}, such as [[{}]]", width, rows.example));
-    set_or_refuse(key, node, [&] { rows.set(values); });
+    set_or_throw(key, node, [&] { rows.set(values); });
   }
   void set(const Key& key, const toml::node& node, const OptionParsed& parsed) const {
-    set_or_refuse(key, node, [&] { parsed.set(text_of(key, node)); });
+    set_or_throw(key, node, [&] { parsed.set(text_of(key, node)); });
   }
   void set(const Key& key, const toml::node& node, const OptionWord& word) const {
     const std::string text =
         node.is_boolean() ? (*node.value<bool>() ? "true" : "false") : text_of(key, node);
     const std::optional<std::size_t> index = word.index_of(text);
-    if (!index) refuse(key, node, word.complaint(text));
+    if (!index) throw_bad_entry(key, node, word.complaint(text));
     word.set(*index);
   }
   void set(const Key& key, const toml::node& node, const OptionPath& file) const {

@@ -216,9 +216,9 @@ class CaseRun {
 }  // namespace
 
 std::string counts_line(const report::StageReport& stage) {
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMax = 3;
   std::string line;
-  for (std::size_t i = 0; i < std::min(kMost, stage.figures.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMax, stage.figures.size()); ++i) {
     const report::Figure& figure = stage.figures[i];
     const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
     const std::string value = std::visit(
@@ -244,14 +244,15 @@ std::string CaseResult::text() const {
 }
 
 void CaseResult::require_good(const std::string& besides) const {
-  const auto refuse = [&](const std::string& what) {
+  const auto throw_not_reached = [&](const std::string& what) {
     throw Error(ErrorKind::kNotReached, fmt::format("{}{}: {}", besides, folder, what));
   };
-  if (!faults.empty()) refuse(fmt::format("the mesh is invalid: {}; do not use it", fmt::join(faults, "; ")));
+  if (!faults.empty())
+    throw_not_reached(fmt::format("the mesh is invalid: {}; do not use it", fmt::join(faults, "; ")));
   const std::optional<report::LayersOfMesh>& layers = report.stages.back().layers;
   if (const std::string shortfall = layers ? layers->report.shortfall() : ""; !shortfall.empty())
-    refuse(shortfall);
-  if (!without_name.empty()) refuse(without_name.front());
+    throw_not_reached(shortfall);
+  if (!without_name.empty()) throw_not_reached(without_name.front());
 }
 
 std::vector<Case> cases_of_frames(const Case& c) {

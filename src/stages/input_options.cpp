@@ -57,8 +57,8 @@ std::optional<std::size_t> ImageSelection::one_frame() const {
   if (all_frames)
     throw Error(ErrorKind::kUsage, "`all_frames` is for making a mesh of each frame; choose one by `frame`");
   if (!frame) return std::nullopt;
-  constexpr double kMost = 1e9;
-  if (*frame != std::floor(*frame) || *frame > kMost)
+  constexpr double kMax = 1e9;
+  if (*frame != std::floor(*frame) || *frame > kMax)
     throw Error(ErrorKind::kUsage, "`frame` must be a whole number");
   return static_cast<std::size_t>(*frame);
 }

@@ -56,7 +56,7 @@ const Vec3* place_of_opening(const std::vector<surfaces::Rim>& rims, const Trian
                                    : &rims[static_cast<std::size_t>(first - is_opening.begin())].centre_mm;
 }
 
-[[noreturn]] void refuse(const std::string& why, const Vec3& place) {
+[[noreturn]] void throw_unrepairable(const std::string& why, const Vec3& place) {
   throw Error(ErrorKind::kNotReached,
               fmt::format("cannot be repaired: {} at {}; repair it by hand or allow more: {}", why,
                           place_text(place), option_name("max_distance")));
@@ -66,11 +66,12 @@ const Vec3* place_of_opening(const std::vector<surfaces::Rim>& rims, const Trian
 void require_no_faults(const TriangleMesh& result, const std::string& consequence) {
   for (const Finding& finding : surfaces::findings_of(result.points, result.triangles))
     if (finding.severity == Severity::kFault)
-      refuse(consequence + finding.text, finding.places_mm.empty() ? result.points[0] : finding.places_mm[0]);
+      throw_unrepairable(consequence + finding.text,
+                         finding.places_mm.empty() ? result.points[0] : finding.places_mm[0]);
   TriangleMesh turned = result;
   const surfaces::Parts parts = surfaces::turn_alike(turned);
   for (const surfaces::Shell& shell : surfaces::shells_of(turned.points, turned.triangles, parts))
-    if (shell.volume_mm3 == 0) refuse("it encloses nothing", shell.place_mm);
+    if (shell.volume_mm3 == 0) throw_unrepairable("it encloses nothing", shell.place_mm);
 }
 
 void rebuild(const MixedMesh& given, RepairOutcome& outcome, TriangleMesh& result, Context& context) {
@@ -78,9 +79,9 @@ void rebuild(const MixedMesh& given, RepairOutcome& outcome, TriangleMesh& resul
   const std::vector<surfaces::Rim> rims = surfaces::find_rims(mesh);
   const std::string before = outcome.local_failure.empty() ? "" : outcome.local_failure + "; ";
   if (const Vec3* const opening = place_of_opening(rims, mesh))
-    refuse(before + "rebuilding would close the opening", *opening);
+    throw_unrepairable(before + "rebuilding would close the opening", *opening);
   RebuiltSurface made = rebuild_surface(mesh, outcome.max_distance_mm, context);
-  if (!made.failure.empty()) refuse(before + made.failure, made.failure_mm);
+  if (!made.failure.empty()) throw_unrepairable(before + made.failure, made.failure_mm);
   outcome.was_rebuilt = true;
   outcome.spacing_mm = made.spacing_mm;
   outcome.report.moved = made.moved;
@@ -132,7 +133,7 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
     surfaces::RepairedSurface repaired = surfaces::repair_locally(given, outcome.max_distance_mm);
     outcome.report = repaired.report;
     if (!repaired.ok() && request.method == RepairMethod::kLocal)
-      refuse(repaired.failure, repaired.failure_mm);
+      throw_unrepairable(repaired.failure, repaired.failure_mm);
     outcome.local_failure = repaired.failure;
     result = std::move(repaired.surface);
   }

@@ -36,10 +36,10 @@ bool is_on_another(const Polylines& lines, const std::vector<std::uint32_t>& lin
 /// Points of a line, one radius and two from its end on.
 std::vector<Vec3> places_up(const Polylines& lines, std::span<const std::uint32_t> from_tip,
                             double radius_mm) {
-  constexpr std::size_t kMost = 2;
+  constexpr std::size_t kMax = 2;
   std::vector<Vec3> places;
   const std::vector<double> lengths_mm = lengths_along(lines, from_tip);
-  for (std::size_t i = 1; i < from_tip.size() && places.size() < kMost; ++i)
+  for (std::size_t i = 1; i < from_tip.size() && places.size() < kMax; ++i)
     if (lengths_mm[i] >= static_cast<double>(places.size() + 1) * radius_mm)
       places.push_back(lines.points[from_tip[i]]);
   return places;

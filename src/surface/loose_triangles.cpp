@@ -22,7 +22,7 @@ bool is_disc_without_inner_vertex(const TriangleMesh& surface, const std::vector
 }  // namespace
 
 std::vector<std::uint32_t> loose_triangles(const TriangleMesh& surface) {
-  constexpr std::size_t kMost = 20;
+  constexpr std::size_t kMax = 20;
   constexpr double kMaxShare = 1e-3;
   const EdgeNeighbours neighbours = edge_neighbours(surface.triangles);
   std::vector<Cell<3>> alike = surface.triangles;
@@ -42,7 +42,7 @@ std::vector<std::uint32_t> loose_triangles(const TriangleMesh& surface) {
   }
   std::vector<std::uint32_t> loose;
   for (std::uint32_t p = 0; p < parts.count; ++p)
-    if (members[p].size() <= kMost && !is_at_others[p] && areas[p] <= kMaxShare * whole &&
+    if (members[p].size() <= kMax && !is_at_others[p] && areas[p] <= kMaxShare * whole &&
         is_disc_without_inner_vertex(surface, members[p]))
       loose.insert(loose.end(), members[p].begin(), members[p].end());
   std::ranges::sort(loose);

@@ -33,7 +33,7 @@ namespace {
 
 constexpr double kNearPlane = 0.25;  // Of the edges there: vertices so near slide into the plane.
 
-[[noreturn]] void refuse_cut(const std::string& message) {
+[[noreturn]] void throw_bad_cut(const std::string& message) {
   throw Error(ErrorKind::kBadInput, message);
 }
 
@@ -239,16 +239,16 @@ std::int32_t cap_sections(TriangleMesh& surface, const SectionPlane& plane, std:
         smallest = r;
     }
     if (smallest == outer.size())
-      refuse_cut("the section at " + place_text(rim.centre_mm) +
-                 " is turned inside out; repair the surface first");
+      throw_bad_cut("the section at " + place_text(rim.centre_mm) +
+                    " is turned inside out; repair the surface first");
     inner[smallest].push_back(std::move(rim));
   }
   std::int32_t count = 0;
   for (std::size_t r = 0; r < outer.size(); ++r) {
     const Rim& rim = outer[r];
     if (!cap_rim(surface, rim, first_patch + count, inner[r]))
-      refuse_cut("the section at " + place_text(rim.centre_mm) +
-                 " crosses itself; move the plane, or repair the surface first (`lumesh repair`)");
+      throw_bad_cut("the section at " + place_text(rim.centre_mm) +
+                    " crosses itself; move the plane, or repair the surface first (`lumesh repair`)");
     ++count;
   }
   return count;
@@ -284,7 +284,7 @@ class EndCut {
     DividedSurface divided = Divider(surface_, heights).run(is_of_loop);
     const SectionLoop last = PlaneSections(divided, plane_).around_point();
     if (last.above.size() != loop.above.size())
-      refuse_cut(text() + " has no clear section there; cut elsewhere");
+      throw_bad_cut(text() + " has no clear section there; cut elsewhere");
     remove_smaller_part(divided, last);
     surface_ = std::move(divided.mesh);
     cap_sections(surface_, {plane_.point_mm, normal_}, patch);
@@ -298,19 +298,20 @@ class EndCut {
   SectionLoop section_of(const DividedSurface& divided, double radius_mm) {
     SectionLoop loop = PlaneSections(divided, plane_).around_point();
     if (loop.above.empty() || !loop.is_around)
-      refuse_cut("no vessel runs at " + place_text(plane_.point_mm) +
-                 ": no section of the surface is around it");
-    if (!loop.is_simple) refuse_cut(text() + " touches itself in its section there; cut elsewhere");
+      throw_bad_cut("no vessel runs at " + place_text(plane_.point_mm) +
+                    ": no section of the surface is around it");
+    if (!loop.is_simple) throw_bad_cut(text() + " touches itself in its section there; cut elsewhere");
     const double of_vessel = std::numbers::pi * radius_mm * radius_mm;
     if (loop.area_mm2 > max_mm2_)
-      refuse_cut(
+      throw_bad_cut(
           fmt::format("{} has a section of {:.3g} mm² across its axis, {:.1f} times that of its radius "
                       "there, {:.3g} mm: it forks or bulges; cut elsewhere, or give a plane with `cut_plane`",
                       text(), loop.area_mm2, loop.area_mm2 / of_vessel, radius_mm));
     reach_of_ = 0;
     for (const TriangleSide& side : loop.above)
       if (std::ranges::find(ends_, divided.mesh.patches[side.triangle]) != ends_.end())
-        refuse_cut(text() + " is too short: the section across its axis divides an end; cut further inside");
+        throw_bad_cut(text() +
+                      " is too short: the section across its axis divides an end; cut further inside");
     for (const TriangleSide& side : loop.above)
       reach_of_ = std::max(reach_of_, (divided.mesh.points[side.low] - plane_.point_mm).norm());
     return loop;
@@ -336,9 +337,9 @@ class EndCut {
       const auto enter = [&](std::uint32_t t) {
         if (part[t] == mark) return;
         if (part[t] != 0)
-          refuse_cut(text() +
-                     " is part of a loop, which a cut there leaves in one piece; give a plane that cuts "
-                     "both arms with `cut_plane`");
+          throw_bad_cut(text() +
+                        " is part of a loop, which a cut there leaves in one piece; give a plane that cuts "
+                        "both arms with `cut_plane`");
         part[t] = mark;
         stack.push_back(t);
       };
@@ -389,8 +390,8 @@ std::int32_t cut_off_beyond(TriangleMesh& surface, const SectionPlane& plane, st
   }
   drop_triangles(divided.mesh, goes);
   if (divided.mesh.triangles.empty())
-    refuse_cut("nothing of the surface is left behind the plane at " + place_text(plane.point_mm) +
-               "; what lies on the normal's side is cut off");
+    throw_bad_cut("nothing of the surface is left behind the plane at " + place_text(plane.point_mm) +
+                  "; what lies on the normal's side is cut off");
   const std::int32_t caps = cap_sections(divided.mesh, plane, first_patch);
   drop_unused_points(divided.mesh);
   surface = std::move(divided.mesh);

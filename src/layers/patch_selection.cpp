@@ -1,4 +1,4 @@
-#include "choice.hpp"
+#include "patch_selection.hpp"
 
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ std::vector<PatchSides> sides_of_patches(const TetMesh& mesh, const BoundaryFace
   return sides;
 }
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void throw_bad_selection(const std::string& message) {
   throw Error(ErrorKind::kBadInput, message);
 }
 
@@ -36,7 +36,7 @@ std::size_t wanted_patch(const std::string& name, const MeshInfo& info) {
   if (const std::size_t p = patch_called(info.patches, name); p < info.patches.size()) return p;
   std::string known;
   for (const Patch& patch : info.patches) known += " " + patch.name;
-  refuse(fmt::format("there is no patch {}; it has:{}", name, known));
+  throw_bad_selection(fmt::format("there is no patch {}; it has:{}", name, known));
 }
 
 /// Patches named, or all walls there are on that side.
@@ -49,8 +49,8 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
   for (const std::string& name : options.patches) {
     const std::size_t p = wanted_patch(name, info);
     if (!is_at_label(p))
-      refuse(fmt::format("patch {} is not at label {}; it is at {}", name, label_list({options.into}, info),
-                         label_list(sides[p].labels, info)));
+      throw_bad_selection(fmt::format("patch {} is not at label {}; it is at {}", name,
+                                      label_list({options.into}, info), label_list(sides[p].labels, info)));
     chosen[p] = 1;
   }
   if (options.patches.empty())
@@ -61,47 +61,49 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
     std::string known;
     for (std::size_t p = 0; p < chosen.size(); ++p)
       if (is_at_label(p)) known += " " + info.patches[p].name;
-    refuse(fmt::format("there is no wall for layers{}; name patches with `patch`, of:{}",
-                       options.into == 0 ? "" : fmt::format(" at label {}", label_list({options.into}, info)),
-                       known));
+    throw_bad_selection(fmt::format(
+        "there is no wall for layers{}; name patches with `patch`, of:{}",
+        options.into == 0 ? "" : fmt::format(" at label {}", label_list({options.into}, info)), known));
   }
   return chosen;
 }
 
 }  // namespace
 
-Choice Choice::in_part(const LabelPart& part) const {
+PatchSelection PatchSelection::in_part(const LabelPart& part) const {
   const std::size_t count = part.mesh.info.patches.size();
-  Choice choice{std::vector<std::uint8_t>(count, 0), std::vector<std::uint8_t>(count, 0), into, false};
+  PatchSelection selection{std::vector<std::uint8_t>(count, 0), std::vector<std::uint8_t>(count, 0), into,
+                           false};
   for (std::size_t p = 0; p < count; ++p)
-    if (part.patches[p] >= 0) choice.layered[p] = layered[static_cast<std::size_t>(part.patches[p])];
-  for (const PatchId cut : part.cut) choice.between[cut.value] = 1;
-  return choice;
+    if (part.patches[p] >= 0) selection.layered[p] = layered[static_cast<std::size_t>(part.patches[p])];
+  for (const PatchId cut : part.cut) selection.between[cut.value] = 1;
+  return selection;
 }
 
-Choice choice_of(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options) {
+PatchSelection select_patches(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options) {
   const MeshInfo& info = mesh.info();
   const std::vector<PatchSides> sides = sides_of_patches(mesh, faces);
-  Choice choice{chosen_patches(info, sides, options), std::vector<std::uint8_t>(info.patches.size(), 0)};
+  PatchSelection selection{chosen_patches(info, sides, options),
+                           std::vector<std::uint8_t>(info.patches.size(), 0)};
   std::set<Label> at_chosen, all(mesh.labels().begin(), mesh.labels().end());
   for (std::size_t p = 0; p < sides.size(); ++p) {
-    if (choice.layered[p] == 0) continue;
+    if (selection.layered[p] == 0) continue;
     at_chosen.insert(sides[p].labels.begin(), sides[p].labels.end());
     if (!sides[p].has_inner_faces || (options.side == LayerSide::kInward && options.into != 0)) continue;
-    refuse(
+    throw_bad_selection(
         fmt::format("patch {} lies between labels {} and has no free side; layers grow into one of them with "
                     "`side` inward and `into` LABEL",
                     info.patches[p].name, label_list(sides[p].labels, info)));
   }
-  if (options.side == LayerSide::kOutward) return choice;
-  choice.is_part = all.size() > 1;
-  choice.into = options.into;
+  if (options.side == LayerSide::kOutward) return selection;
+  selection.is_part = all.size() > 1;
+  selection.into = options.into;
   if (options.into == 0 && at_chosen.size() > 1)
-    refuse(fmt::format(
+    throw_bad_selection(fmt::format(
         "layers grow into one label at a time, but the patches are at {}; say which with `into` LABEL",
         label_list(at_chosen, info)));
-  if (options.into == 0 && !at_chosen.empty()) choice.into = *at_chosen.begin();
-  return choice;
+  if (options.into == 0 && !at_chosen.empty()) selection.into = *at_chosen.begin();
+  return selection;
 }
 
 }  // namespace lumesh::layers

@@ -1,5 +1,5 @@
 #pragma once
-/// @file The choice of the patches that layers grow on, and of the part of the mesh that is deformed.
+/// @file The selection of the patches that layers grow on, and of the part of the mesh that is deformed.
 
 #include <cstdint>
 #include <vector>
@@ -9,18 +9,19 @@
 
 namespace lumesh::layers {
 
-struct Choice {
+struct PatchSelection {
   std::vector<std::uint8_t> layered;  ///< One flag per patch: layers grow on it.
   std::vector<std::uint8_t> between;  ///< One flag per patch: another label lies behind it and stays.
   Label into = kBackground;           ///< Inwards: the label whose mesh is deformed.
   bool is_part = false;               ///< The mesh has other labels besides.
 
-  /// The choice for a part of the mesh.
-  [[nodiscard]] Choice in_part(const LabelPart& part) const;
+  /// The selection for a part of the mesh.
+  [[nodiscard]] PatchSelection in_part(const LabelPart& part) const;
 };
 
 /// @throws Error{kBadInput} if a patch is not there, has no free side or is not at the label, or if more than
 /// one label would have to be deformed.
-[[nodiscard]] Choice choice_of(const TetMesh& mesh, const BoundaryFaces& faces, const LayerOptions& options);
+[[nodiscard]] PatchSelection select_patches(const TetMesh& mesh, const BoundaryFaces& faces,
+                                            const LayerOptions& options);
 
 }  // namespace lumesh::layers
