@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "cut_off.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 #include "point_levels.hpp"
 
 namespace lumesh::delaunay {
@@ -54,7 +54,6 @@ class Relaxation {
   Relaxation(const Domain& domain, std::span<const std::uint32_t> chosen,
              std::span<BoundaryCandidate> candidates)
       : domain_(domain), chosen_(chosen), candidates_(candidates) {
-    counts_.resize(chosen.size());
     for (const std::uint32_t c : chosen) points_.push_back(candidates[c].point);
     sort_into_levels();
     find_neighbours();
@@ -98,17 +97,11 @@ class Relaxation {
   /// They do not move so far that others could come near.
   void find_neighbours() {
     constexpr double kSlack = 1.3;
-    const auto parts = parallel::collect_parts<std::uint32_t>(
-        points_.size(), kBlock, [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& out) {
-          for (std::size_t i = begin; i < end; ++i) {
-            const std::size_t first = out.size();
-            if (is_free(i)) add_neighbours(i, kSlack, out);
-            counts_[i] = static_cast<std::uint32_t>(out.size() - first);
-          }
+    constexpr std::size_t kBlock = 256;
+    neighbours_ =
+        parallel::collect_lists(points_.size(), kBlock, [&](std::size_t i, std::vector<std::uint32_t>& out) {
+          if (is_free(i)) add_neighbours(i, kSlack, out);
         });
-    starts_.assign(1, 0);
-    for (std::size_t i = 0; i < points_.size(); ++i) starts_.push_back(starts_.back() + counts_[i]);
-    for (const auto& part : parts) neighbours_.insert(neighbours_.end(), part.begin(), part.end());
   }
   void add_neighbours(std::size_t i, double slack, std::vector<std::uint32_t>& out) const {
     for (const PointCubes& level : levels_) {
@@ -124,9 +117,9 @@ class Relaxation {
     constexpr double kStep = 0.66, kMax = 0.2;  // In spacings.
     const BoundaryCandidate& mine = candidate(i);
     Vec3 push = Vec3::Zero();
-    for (std::uint32_t n = starts_[i]; n < starts_[i + 1]; ++n) {
-      const Vec3 from = points_[i] - points_[neighbours_[n]];
-      const double distance = from.norm(), reach = reach_of(i, neighbours_[n]);
+    for (const std::uint32_t n : neighbours_.of(i)) {
+      const Vec3 from = points_[i] - points_[n];
+      const double distance = from.norm(), reach = reach_of(i, n);
       if (!(distance > 0) || distance >= reach) continue;
       const double strength = 1 - distance / reach;
       push += strength * strength / distance * from;
@@ -135,14 +128,12 @@ class Relaxation {
     return points_[i] + (length > kMax ? kMax / length : 1) * kStep * mine.spacing * push;
   }
 
-  static constexpr std::size_t kBlock = 256;
-
   const Domain& domain_;
   std::span<const std::uint32_t> chosen_;
   std::span<BoundaryCandidate> candidates_;
   std::vector<Vec3> points_;
   std::vector<PointCubes> levels_;
-  std::vector<std::uint32_t> counts_, starts_, neighbours_;
+  parallel::Adjacency neighbours_;
 };
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 #include "point_levels.hpp"
 
 namespace lumesh::delaunay {
@@ -18,10 +18,9 @@ struct Placed {
 struct Level {
   int exponent = 0;
   double cube_mm = 0;
-  std::vector<Index3> cubes;          // That hold any, in order.
-  std::vector<std::uint32_t> starts;  // Of each in `items`.
-  std::vector<std::uint32_t> items;
-  std::vector<std::vector<std::uint32_t>> taken;  // Of each cube.
+  std::vector<Index3> cubes;                      // Cubes that hold any, in order.
+  parallel::Adjacency items;                      // Candidates of each cube.
+  std::vector<std::vector<std::uint32_t>> taken;  // Taken ones of each cube.
 
   [[nodiscard]] const std::vector<std::uint32_t>* taken_in(const Index3& cube) const {
     const auto at = std::ranges::lower_bound(cubes, cube, comes_before);
@@ -73,11 +72,11 @@ class Thinning {
     for (const Placed& one : placed) {
       if (level.cubes.empty() || level.cubes.back() != one.cube) {
         level.cubes.push_back(one.cube);
-        level.starts.push_back(static_cast<std::uint32_t>(level.items.size()));
+        level.items.starts.push_back(level.items.starts.back());
       }
-      level.items.push_back(one.candidate);
+      level.items.items.push_back(one.candidate);
+      ++level.items.starts.back();
     }
-    level.starts.push_back(static_cast<std::uint32_t>(level.items.size()));
     level.taken.resize(level.cubes.size());
     return level;
   }
@@ -88,11 +87,11 @@ class Thinning {
       parallel::for_each_index(level.cubes.size(), 16, [&](std::size_t c) {
         const Index3& cube = level.cubes[c];
         if (((cube.x() & 1) | (cube.y() & 1) << 1 | (cube.z() & 1) << 2) != colour) return;
-        for (std::uint32_t i = level.starts[c]; i < level.starts[c + 1]; ++i) {
-          const std::size_t materials = candidates_[level.items[i]].materials.size();
-          const bool has_turn = candidates_[level.items[i]].is_fixed == is_fixed &&
+        for (const std::uint32_t item : level.items.of(c)) {
+          const std::size_t materials = candidates_[item].materials.size();
+          const bool has_turn = candidates_[item].is_fixed == is_fixed &&
                                 (max_materials > 3 ? materials > 3 : materials == max_materials);
-          if (has_turn && !is_encroached(level.items[i])) level.taken[c].push_back(level.items[i]);
+          if (has_turn && !is_encroached(item)) level.taken[c].push_back(item);
         }
       });
     }

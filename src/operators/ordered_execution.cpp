@@ -1,11 +1,11 @@
 #include "lumesh/operators/ordered_execution.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <utility>
 
 #include "execution_parts.hpp"
-#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::operators {
 namespace {
@@ -56,26 +56,13 @@ void OrderedExecution::repartition() {
   runs_.assign(partition_.buckets, 0);
 }
 
-/// A counting sort: each block of items counts its own, so that it knows where to put them.
 template <class Item, class BucketOf>
-OrderedExecution::Lists<Item> OrderedExecution::lists_by_bucket(const std::vector<Item>& items,
-                                                                const BucketOf& bucket_of) const {
-  constexpr std::size_t kBlock = 1 << 17;
-  const std::size_t buckets = partition_.buckets;
-  std::vector<std::vector<std::uint32_t>> places((items.size() + kBlock - 1) / kBlock);
-  parallel::for_each_block(items.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
-    places[block].assign(buckets, 0);
-    for (std::size_t i = begin; i < end; ++i) ++places[block][bucket_of(items[i])];
-  });
-  Lists<Item> lists{std::vector<std::uint32_t>(buckets + 1, 0), std::vector<Item>(items.size())};
-  std::uint32_t next = 0;
-  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
-    for (std::vector<std::uint32_t>& of_block : places) next += std::exchange(of_block[bucket], next);
-    lists.starts[bucket + 1] = next;
-  }
-  parallel::for_each_block(items.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) lists.items[places[block][bucket_of(items[i])]++] = items[i];
-  });
+parallel::Lists<Item> OrderedExecution::lists_by_bucket(const std::vector<Item>& items,
+                                                        const BucketOf& bucket_of) const {
+  parallel::Adjacency numbers = parallel::group_by_owner(
+      items.size(), partition_.buckets, [&](std::size_t i) { return std::array{bucket_of(items[i])}; });
+  parallel::Lists<Item> lists{std::move(numbers.starts), UninitialisedVector<Item>(items.size())};
+  parallel::for_each_index(items.size(), [&](std::size_t i) { lists.items[i] = items[numbers.items[i]]; });
   return lists;
 }
 
@@ -87,7 +74,8 @@ void OrderedExecution::begin_run(Kernel& kernel, std::uint32_t bucket, std::uint
 }
 
 template <class Item, class Step>
-std::vector<OrderedExecution::Made> OrderedExecution::run_buckets(Lists<Item>& lists, const Step& step) {
+std::vector<OrderedExecution::Made> OrderedExecution::run_buckets(const parallel::Lists<Item>& lists,
+                                                                  const Step& step) {
   ++epoch_;
   is_cut_ = false;
   const std::uint32_t first = next_run_;
@@ -118,8 +106,7 @@ void OrderedExecution::for_each_by_priority(const std::vector<std::uint32_t>& it
   if (picked.empty()) return;
   auto lists = lists_by_bucket(picked, [&](const PrioritisedItem& one) { return bucket_of(one.item); });
   parallel::for_each_index(partition_.buckets, 1, [&](std::size_t bucket) {
-    const auto list = lists.of(static_cast<std::uint32_t>(bucket));
-    std::ranges::stable_sort(list, has_higher_priority);
+    std::ranges::stable_sort(lists.of(bucket), has_higher_priority);
   });
   const std::uint32_t first_stamp = 2 * next_run_;
   const std::vector<Made> made = run_buckets(
@@ -156,7 +143,7 @@ void OrderedExecution::for_each_vertex_by_priority(const std::function<double(Ve
 }
 
 void OrderedExecution::for_each_vertex(const std::function<void(Kernel&, VertexId)>& step) {
-  Lists<std::uint32_t> lists =
+  const parallel::Adjacency lists =
       lists_by_bucket(vertices_, [&](std::uint32_t v) { return subject_.mesh.lock_word(VertexId(v)); });
   run_buckets(lists, [&](Kernel& kernel, std::uint32_t v) { step(kernel, VertexId(v)); });
 }

@@ -5,13 +5,14 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/image/label_image.hpp"
-#include "lumesh/parallel/loops.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 
 namespace lumesh::image {
 
@@ -25,7 +26,7 @@ struct Run {
 /// Runs of an image, row by row (row = j + size.y * k), ascending in each row.
 struct RunImage {
   Index3 size = Index3::Zero();
-  std::vector<Run> runs;
+  UninitialisedVector<Run> runs;
   std::vector<std::uint32_t> first;  ///< Per row, plus one at the end.
 
   [[nodiscard]] std::size_t row(int j, int k) const {
@@ -54,32 +55,11 @@ enum class RunLabels : std::uint8_t { kEach, kUnion };
 template <class AppendRow>
 [[nodiscard]] RunImage make_runs(const Index3& size, const AppendRow& append) {
   constexpr std::size_t kRowsPerBlock = 64;
-  RunImage result;
-  result.size = size;
-  const std::size_t rows = grid_row_count(size);
-  result.first.assign(rows + 1, 0);
-  std::vector<std::vector<Run>> parts((rows + kRowsPerBlock - 1) / kRowsPerBlock);
-  parallel::for_each_block(rows, kRowsPerBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      const std::size_t before = parts[block].size();
-      append(row, parts[block]);
-      result.first[row + 1] = static_cast<std::uint32_t>(parts[block].size() - before);
-    }
-  });
-  std::size_t total = 0;
-  for (std::size_t row = 0; row < rows; ++row) {
-    total += result.first[row + 1];
-    if (total >= std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorKind::kMemory,
-                  "image has more than 4 billion runs of labels; crop it or drop its noise");
-    result.first[row + 1] = static_cast<std::uint32_t>(total);
-  }
-  result.runs.resize(total);
-  parallel::for_each_index(parts.size(), 1, [&](std::size_t block) {
-    std::copy(parts[block].begin(), parts[block].end(),
-              result.runs.begin() + static_cast<std::ptrdiff_t>(result.first[block * kRowsPerBlock]));
-  });
-  return result;
+  parallel::Lists<Run> rows = parallel::collect_lists<Run>(grid_row_count(size), kRowsPerBlock, append);
+  if (rows.items.size() >= std::numeric_limits<std::uint32_t>::max())
+    throw Error(ErrorKind::kMemory,
+                "image has more than 4 billion runs of labels; crop it or drop its noise");
+  return {size, std::move(rows.items), std::move(rows.starts)};
 }
 
 /// @throws Error{kMemory} if there are more than 2^32 - 2 runs.

@@ -8,11 +8,11 @@
 
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "lumesh/operators/execution.hpp"
 #include "lumesh/operators/partition.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/parallel/ordered_tasks.hpp"
 
 namespace lumesh::operators {
@@ -32,28 +32,20 @@ class OrderedExecution : public KernelTeam<OrderedLock> {
   void for_each_vertex(const std::function<void(Kernel&, VertexId)>& step);
 
  private:
-  /// Items of each bucket, in the order of the sequence.
-  template <class Item>
-  struct Lists {
-    std::vector<std::uint32_t> starts;
-    std::vector<Item> items;
-
-    [[nodiscard]] std::span<Item> of(std::uint32_t bucket) {
-      return std::span(items).subspan(starts[bucket], starts[bucket + 1] - starts[bucket]);
-    }
-  };
   struct Made {
     std::vector<std::uint32_t> tets, vertices;
   };
 
+  /// Items of each bucket, in the order of the sequence.
   template <class Item, class BucketOf>
-  [[nodiscard]] Lists<Item> lists_by_bucket(const std::vector<Item>& items, const BucketOf& bucket_of) const;
+  [[nodiscard]] parallel::Lists<Item> lists_by_bucket(const std::vector<Item>& items,
+                                                      const BucketOf& bucket_of) const;
   template <class Priority, class BucketOf, class Step>
   void for_each_by_priority(const std::vector<std::uint32_t>& items, const Priority& priority,
                             const BucketOf& bucket_of, const Step& step);
   /// The steps at all items of each bucket, step(kernel, item). @return what each bucket made.
   template <class Item, class Step>
-  std::vector<Made> run_buckets(Lists<Item>& lists, const Step& step);
+  std::vector<Made> run_buckets(const parallel::Lists<Item>& lists, const Step& step);
   void begin_run(Kernel& kernel, std::uint32_t bucket, std::uint32_t run);
   [[nodiscard]] Made what_was_made(const Kernel& kernel, std::uint32_t run);
   void append_made(const std::vector<Made>& made);

@@ -1,5 +1,5 @@
 #pragma once
-/// @file Lists of numbers, one for each of some owners, such as the tetrahedra around each vertex.
+/// @file Lists of items, one for each of some owners, such as the tetrahedra around each vertex.
 
 #include <algorithm>
 #include <array>
@@ -14,15 +14,21 @@
 namespace lumesh::parallel {
 
 /// Items of owner i are items[starts[i]] to items[starts[i + 1]].
-struct Adjacency {
+template <class Item>
+struct Lists {
   std::vector<std::uint32_t> starts = {0};
-  UninitialisedVector<std::uint32_t> items;
+  UninitialisedVector<Item> items;
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(starts.size() - 1); }
-  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t owner) const {
+  [[nodiscard]] std::span<const Item> of(std::size_t owner) const {
+    return {items.data() + starts[owner], starts[owner + 1] - starts[owner]};
+  }
+  [[nodiscard]] std::span<Item> of(std::size_t owner) {
     return {items.data() + starts[owner], starts[owner + 1] - starts[owner]};
   }
 };
+
+using Adjacency = Lists<std::uint32_t>;
 
 /// Groups items 0, 1, ... by their owners: owners_of(item) is a range of numbers below `owners`. Blocks of
 /// items hand themselves to ranges of owners, each range then fills its own part; blocks are visited in
@@ -74,13 +80,14 @@ template <class Cells>
       cells.size(), vertices, [&](std::size_t c) -> const auto& { return cells[c]; });
 }
 
-/// Items that list(owner, items) appends for each owner.
-template <class List>
-[[nodiscard]] Adjacency collect_lists(std::size_t owners, const List& list) {
-  Adjacency lists;
+/// Items that list(owner, items) appends for each owner. Owners are served in parallel, `block` by one thread
+/// at a time; the starts are right if there are less than 2^32 items.
+template <class Item = std::uint32_t, class List>
+[[nodiscard]] Lists<Item> collect_lists(std::size_t owners, std::size_t block, const List& list) {
+  Lists<Item> lists;
   lists.starts.resize(owners + 1);
-  collect_blocks_into(lists.items, owners, 4096,
-                      [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& out) {
+  collect_blocks_into(lists.items, owners, block,
+                      [&](std::size_t begin, std::size_t end, std::vector<Item>& out) {
                         for (std::size_t owner = begin; owner < end; ++owner) {
                           const std::size_t before = out.size();
                           list(owner, out);
@@ -89,6 +96,11 @@ template <class List>
                       });
   for (std::size_t owner = 0; owner < owners; ++owner) lists.starts[owner + 1] += lists.starts[owner];
   return lists;
+}
+
+template <class List>
+[[nodiscard]] Adjacency collect_lists(std::size_t owners, const List& list) {
+  return collect_lists(owners, 4096, list);
 }
 
 /// Adds that a and b are neighbours to pairs for adjacency_of().

@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/parallel/key_table.hpp"
@@ -52,6 +53,20 @@ TEST(Adjacency, PairsInAnyOrderGiveAscendingListsWithoutDoubles) {
     ASSERT_TRUE(std::ranges::equal(neighbours.of(v), expected[v])) << v;
   EXPECT_EQ(adjacency_of({}, 0).size(), 0u);
   EXPECT_TRUE(adjacency_of({}, 2).of(1).empty());
+}
+
+TEST(Lists, OfAnyItemsStandInTheOrderOfTheirOwners) {
+  constexpr std::size_t kOwners = 1000, kBlock = 7;
+  const Lists<double> lists =
+      collect_lists<double>(kOwners, kBlock, [](std::size_t owner, std::vector<double>& items) {
+        for (std::size_t i = 0; i < owner % 3; ++i) items.push_back(static_cast<double>(owner) + 0.1 * i);
+      });
+  ASSERT_EQ(lists.size(), kOwners);
+  for (std::size_t owner = 0; owner < kOwners; ++owner) {
+    ASSERT_EQ(lists.of(owner).size(), owner % 3);
+    for (std::size_t i = 0; i < owner % 3; ++i)
+      ASSERT_EQ(lists.of(owner)[i], static_cast<double>(owner) + 0.1 * i);
+  }
 }
 
 TEST(KeyTable, SortsByKeyThenItem) {
