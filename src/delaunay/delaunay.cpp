@@ -42,7 +42,8 @@ void check_fits(const DelaunayOptions& options, const Domain& domain) {
 
 /// Drops seeds as `seeding` says: none, those inside, or all but some on the boundary.
 /// @return The candidates that the rules have to find most of, as they were.
-std::vector<delaunay::BoundaryCandidate> thin_out(delaunay::Seeds& seeds, Seeding seeding, const Box3& box) {
+std::vector<delaunay::BoundaryCandidate> drop_seeds(delaunay::Seeds& seeds, Seeding seeding,
+                                                    const Box3& box) {
   if (seeding == Seeding::kLattice) return {};
   seeds.inner.clear();
   if (seeding == Seeding::kSurface) return {};
@@ -146,9 +147,9 @@ AllSeeds all_seeds(const Domain& domain, const delaunay::Spacing& spacing, Seedi
                    Context& context) {
   AllSeeds seeds;
   seeds.lattice = context.phase("lattice", [&] { return delaunay::lattice_seeds(spacing); });
-  seeds.to_find = thin_out(seeds.lattice, seeding, domain.bounds_mm());
+  seeds.to_find = drop_seeds(seeds.lattice, seeding, domain.bounds_mm());
   context.phase("surface", [&] {
-    seeds.boundary = delaunay::thinned(seeds.lattice.boundary);
+    seeds.boundary = delaunay::poisson_disk_subset(seeds.lattice.boundary);
     delaunay::relax(domain, seeds.boundary, seeds.lattice.boundary);
   });
   return seeds;

@@ -49,7 +49,7 @@ std::size_t Refinement::complete(std::span<const BoundaryCandidate> candidates) 
         if (known.empty() || tree.mean_distance(one.point, 1) > kFar * one.spacing) out.push_back(one);
       });
   std::vector<operators::DelaunayExecution::NewVertex> points;
-  for (const std::uint32_t i : thinned(missing))
+  for (const std::uint32_t i : poisson_disk_subset(missing))
     points.push_back({missing[i].point, dimension_of(missing[i].materials), {}});
   execution_.insert(points, stamp_);
   has_changed_ |= !points.empty();

@@ -133,7 +133,7 @@ class Thinning {
 
 }  // namespace
 
-std::vector<std::uint32_t> thinned(std::span<const BoundaryCandidate> candidates) {
+std::vector<std::uint32_t> poisson_disk_subset(std::span<const BoundaryCandidate> candidates) {
   return Thinning(candidates).run();
 }
 

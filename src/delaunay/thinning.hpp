@@ -11,6 +11,6 @@ namespace lumesh::delaunay {
 /// Indices of a maximal set of candidates of which none is nearer to another than the lesser spacing of both:
 /// corners first, then points of curves, then of surfaces, and of each kind the fixed ones first. Parallel
 /// inside, the same for every thread count.
-[[nodiscard]] std::vector<std::uint32_t> thinned(std::span<const BoundaryCandidate> candidates);
+[[nodiscard]] std::vector<std::uint32_t> poisson_disk_subset(std::span<const BoundaryCandidate> candidates);
 
 }  // namespace lumesh::delaunay
