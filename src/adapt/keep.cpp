@@ -80,11 +80,7 @@ MixedMesh KeptCells::put_back(const TetMesh& changed) const {
   else if (kept.metric.empty())
     kept.metric = own_metric(kept);
   const std::vector<MergePart> parts = {{&free, "the changed part"}, {&kept, "the kept cells"}};
-  MixedMesh whole = merge_meshes(parts, {.tolerance = 0.0,
-                                         .equal_labels = EqualLabels::kSame,
-                                         .allows_apart = true,
-                                         .surfaces_match = true})
-                        .mesh;
+  MixedMesh whole = merge_meshes(parts, MergeOptions::of_one_mesh()).mesh;
   number_patches_as(patches_, whole);
   return whole;
 }

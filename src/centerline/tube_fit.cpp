@@ -1,9 +1,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "banded.hpp"
+#include "lumesh/core/value_of_rank.hpp"
 #include "tube.hpp"
 
 namespace lumesh::centerline {
@@ -37,10 +39,8 @@ class TubeFitter {
   TubeFitter(const Lumen& lumen, const Tube& start) : lumen_(lumen), start_(start), tube_(start) {}
 
   Tube run() {
-    std::vector<double> radii = tube_.radii;
-    std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2),
-                     radii.end());
-    gap_mm_ = std::clamp(0.25 * radii[radii.size() / 2], 0.5 * lumen_.voxel_mm(), 2 * lumen_.voxel_mm());
+    const double median_mm = value_of_rank(tube_.radii, tube_.radii.size() / 2);
+    gap_mm_ = std::clamp(0.25 * median_mm, 0.5 * lumen_.voxel_mm(), 2 * lumen_.voxel_mm());
     for (int round = 0; round < kRounds; ++round) {
       tube_ = resampled(tube_, gap_mm_);
       const double t = std::min(1.0, static_cast<double>(round) / (kRounds - 3));

@@ -35,6 +35,19 @@ std::array<Vec3, 3> edge_middles(const TriangleCorners& p) {
   return {(p[0] + p[1]) / 2, (p[1] + p[2]) / 2, (p[2] + p[0]) / 2};
 }
 
+/// Mean sagitta of each triangle at the places that `places_of` gives of its corners; 0 in cut planes.
+template <class PlacesOf>
+std::vector<double> sagittas_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
+                                const ImageDomain& domain, const PlacesOf& places_of) {
+  std::vector<double> sagitta(boundary.triangles.size());
+  parallel::for_each_index(sagitta.size(), [&](std::size_t i) {
+    const BoundaryTriangle& t = boundary.triangles[i];
+    if (!domain.is_cut(t.outside))
+      sagitta[i] = mean_sagitta_mm(domain, t, places_of(corners_of(mesh, t.vertices)));
+  });
+  return sagitta;
+}
+
 double doubled_area_mm2(const WorkMesh& mesh, const BoundaryTriangle& t) {
   const auto [a, b, c] = corners_of(mesh, t.vertices);
   return triangle_area_normal(a, b, c).norm();
@@ -46,12 +59,7 @@ Shifts mean_sagittas_mm(const WorkMesh& mesh, const BoundaryModel& boundary, con
   struct Interface {
     double area = 0, volume = 0;  // The volume is missing on the side of the first material.
   };
-  std::vector<double> sagitta(boundary.triangles.size());
-  parallel::for_each_index(sagitta.size(), [&](std::size_t i) {
-    const BoundaryTriangle& t = boundary.triangles[i];
-    sagitta[i] =
-        domain.is_cut(t.outside) ? 0 : mean_sagitta_mm(domain, t, edge_middles(corners_of(mesh, t.vertices)));
-  });
+  const std::vector<double> sagitta = sagittas_mm(mesh, boundary, domain, edge_middles);
   std::map<std::pair<Material, Material>, Interface> interfaces;
   for (std::size_t i = 0; i < sagitta.size(); ++i) {
     const BoundaryTriangle& t = boundary.triangles[i];
@@ -71,12 +79,7 @@ Shifts mean_sagittas_mm(const WorkMesh& mesh, const BoundaryModel& boundary, con
 std::vector<double> sagitta_offsets_mm(const WorkMesh& mesh, const BoundaryModel& boundary,
                                        const ImageDomain& domain) {
   const double limit = 0.4 * domain.voxel_size_mm();
-  std::vector<double> sagitta(boundary.triangles.size());
-  parallel::for_each_index(sagitta.size(), [&](std::size_t i) {
-    const BoundaryTriangle& t = boundary.triangles[i];
-    sagitta[i] =
-        domain.is_cut(t.outside) ? 0 : mean_sagitta_mm(domain, t, inner_places(corners_of(mesh, t.vertices)));
-  });
+  const std::vector<double> sagitta = sagittas_mm(mesh, boundary, domain, inner_places);
   std::vector<double> sum(mesh.positions.size(), 0.0);
   std::vector<double> weight(mesh.positions.size(), 0.0);
   for (std::size_t i = 0; i < sagitta.size(); ++i) {

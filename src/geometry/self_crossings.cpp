@@ -129,10 +129,6 @@ bool meet(const Corners& a, const Corners& b, std::size_t shared) {
   }
 }
 
-bool has_area(const Corners& t) {
-  return !InPlane(t).is_flat();
-}
-
 /// Both with the corners that they share in front, in one order; how many those are.
 std::size_t bring_shared_to_front(std::array<std::uint32_t, 3>& a, std::array<std::uint32_t, 3>& b) {
   std::size_t shared = 0;
@@ -162,6 +158,10 @@ int winding_ahead(const Corners& t, const Vec3& p) {
 }
 
 }  // namespace
+
+bool has_area(const std::array<Vec3, 3>& corners) {
+  return !InPlane(corners).is_flat();
+}
 
 std::vector<Vec3> find_doubled_places(std::span<const Vec3> points,
                                       std::span<const std::array<std::uint32_t, 3>> triangles) {

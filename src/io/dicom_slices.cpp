@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "file_fault.hpp"
+#include "lumesh/core/value_of_rank.hpp"
 
 namespace lumesh::io {
 namespace {
@@ -38,10 +39,7 @@ void check_slices(const std::filesystem::path& path, std::vector<DicomSlice> sli
                            [&](const DicomSlice& a, const DicomSlice& b) { return height(a) < height(b); });
   std::vector<double> gaps;
   for (std::size_t i = 1; i < slices.size(); ++i) gaps.push_back(height(slices[i]) - height(slices[i - 1]));
-  std::vector<double> sorted = gaps;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  const double usual = sorted[sorted.size() / 2];
+  const double usual = value_of_rank(gaps, gaps.size() / 2);
   if (!(usual > 0))
     fail(path,
          fmt::format(

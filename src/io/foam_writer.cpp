@@ -11,6 +11,7 @@
 #include "file_fault.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/mesh/patch_words.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
@@ -135,35 +136,13 @@ double units_per_metre(const fs::path& path, const std::string& unit) {
        fmt::format("OpenFOAM wants metres, and the mesh is in \"{}\"; say its unit: mm, cm, m or um", unit));
 }
 
-/// Numbers the points that cells use; OpenFOAM takes others for a fault.
-class UsedPoints {
- public:
-  explicit UsedPoints(const MeshView& mesh) : numbers_(mesh.points.size()) {
-    std::vector<std::uint8_t> is_used(mesh.points.size(), 0);
-    for (const CellBlock& block : volume_blocks(mesh))
-      parallel::for_each_index(block.vertices.size(),
-                               [&](std::size_t i) { parallel::raise(is_used[block.vertices[i]]); });
-    for (std::size_t v = 0; v < is_used.size(); ++v) {
-      numbers_[v] = static_cast<std::uint32_t>(points_.size());
-      if (is_used[v] != 0) points_.push_back(static_cast<std::uint32_t>(v));
-    }
-  }
-  [[nodiscard]] std::size_t size() const { return points_.size(); }
-  [[nodiscard]] std::uint32_t point(std::size_t number) const { return points_[number]; }
-  [[nodiscard]] std::uint32_t number(std::uint32_t point) const { return numbers_[point]; }
-
- private:
-  std::vector<std::uint32_t> numbers_;
-  std::vector<std::uint32_t> points_;
-};
-
 class FoamWriter {
  public:
   FoamWriter(const fs::path& path, const MeshView& mesh)
       : mesh_(mesh),
         units_per_metre_(units_per_metre(path, mesh.info->unit)),
         poly_(build_poly_mesh(path, mesh)),
-        points_(mesh),
+        points_(points_in_use(mesh)),
         files_(path) {}
 
   void write() {
@@ -182,8 +161,8 @@ class FoamWriter {
  private:
   void write_points(OutputFile& file) {
     write_header(file, "vectorField", "points");
-    write_list(file, points_.size(), [&](Text& text, std::size_t i) {
-      const Vec3& p = mesh_.points[points_.point(i)];  // Divided: the nearest number to the true quotient.
+    write_list(file, points_.points().size(), [&](Text& text, std::size_t i) {
+      const Vec3& p = mesh_.points[points_.points()[i]];  // Divided: the nearest number to the true quotient.
       fmt::format_to(std::back_inserter(text), "({} {} {})\n", p.x() / units_per_metre_,
                      p.y() / units_per_metre_, p.z() / units_per_metre_);
     });
@@ -197,7 +176,7 @@ class FoamWriter {
       append_number(text, count);
       for (std::size_t i = 0; i < count; ++i) {
         text.push_back(i == 0 ? '(' : ' ');
-        append_number(text, points_.number(corners[i]));
+        append_number(text, points_.at(corners[i]));
       }
       text.push_back(')');
       text.push_back('\n');
@@ -205,7 +184,7 @@ class FoamWriter {
   }
 
   [[nodiscard]] std::string counts() const {
-    return fmt::format("nPoints:{} nCells:{} nFaces:{} nInternalFaces:{}", points_.size(),
+    return fmt::format("nPoints:{} nCells:{} nFaces:{} nInternalFaces:{}", points_.points().size(),
                        poly_.sides.cell_count(), poly_.faces.size(), poly_.neighbours.size());
   }
 
@@ -301,7 +280,7 @@ class FoamWriter {
   const MeshView& mesh_;
   double units_per_metre_;
   PolyMesh poly_;
-  UsedPoints points_;
+  PointNumbers points_;  // Points that cells use; OpenFOAM takes others for a fault.
   CaseFiles files_;
 };
 

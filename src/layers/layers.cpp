@@ -189,13 +189,7 @@ LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const 
   if (!part.mesh.metric.empty()) metric::set_metric(of_part, part.mesh.metric);
   LayerResult result = grow_on(of_part, of_part.boundary_faces(), selection.in_part(part), options, context);
   const std::array<MergePart, 2> parts = {{{&result.mesh, "layers"}, {&rest.mesh, "rest"}}};
-  result.mesh = context.phase("merge", [&] {
-    return merge_meshes(parts, {.tolerance = 0,
-                                .equal_labels = EqualLabels::kSame,
-                                .allows_apart = true,
-                                .surfaces_match = true})
-        .mesh;
-  });
+  result.mesh = context.phase("merge", [&] { return merge_meshes(parts, MergeOptions::of_one_mesh()).mesh; });
   return result;
 }
 

@@ -1,6 +1,7 @@
 #include "lumesh/mesh/triangle_mesh.hpp"
 
 #include "lumesh/mesh/mesh_walks.hpp"
+#include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -23,21 +24,18 @@ std::vector<PatchedTriangle> outer_triangles(const TetMesh& mesh) {
 
 TriangleMesh extract_boundary(const TetMesh& mesh) {
   const std::vector<PatchedTriangle> faces = outer_triangles(mesh);
-  std::vector<std::uint32_t> new_index(mesh.vertex_slots(), VertexId::kNone);
+  std::vector<std::uint8_t> in_use(mesh.vertex_slots(), 0);
   for (const PatchedTriangle& face : faces)
-    for (const std::uint32_t v : face.corners) new_index[v] = 0;
+    for (const std::uint32_t v : face.corners) in_use[v] = 1;
+  const PointNumbers numbers(in_use);
   TriangleMesh surface;
-  for (std::uint32_t v = 0; v < new_index.size(); ++v) {
-    if (new_index[v] == VertexId::kNone) continue;
-    new_index[v] = static_cast<std::uint32_t>(surface.points.size());
-    surface.points.push_back(mesh.point(VertexId(v)));
-    surface.volume_points.push_back(v);
-  }
+  surface.points = numbers.places(mesh.points());
+  surface.volume_points = numbers.points();
   surface.triangles.resize(faces.size());
   surface.patches.resize(faces.size());
   parallel::for_each_index(faces.size(), [&](std::size_t i) {
     const auto& [a, b, c] = faces[i].corners;
-    surface.triangles[i] = {new_index[a], new_index[b], new_index[c]};
+    surface.triangles[i] = {numbers.at(a), numbers.at(b), numbers.at(c)};
     surface.patches[i] = faces[i].patch;
   });
   return surface;

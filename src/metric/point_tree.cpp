@@ -7,10 +7,12 @@
 #include <limits>
 #include <nanoflann.hpp>
 #include <tuple>
+#include <utility>
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/core/value_of_rank.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -124,9 +126,8 @@ double median_spacing(std::span<const Vec3> points, const PointTree& tree) {
     tree.nearest(points[i], pair);
     spacings[i] = (points[pair[1]] - points[pair[0]]).norm();
   });
-  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
-  std::nth_element(spacings.begin(), middle, spacings.end());
-  return *middle;
+  const std::size_t middle = spacings.size() / 2;
+  return value_of_rank(std::move(spacings), middle);
 }
 
 void require_near_points(std::span<const Vec3> places, std::span<const Vec3> points) {

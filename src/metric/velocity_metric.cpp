@@ -7,10 +7,12 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/value_of_rank.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/metric/point_tree.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -121,12 +123,6 @@ Rates rates_of(const Mat3& gradient) {
   return {squares.axes * values.asDiagonal() * squares.axes.transpose(), values.maxCoeff()};
 }
 
-double percentile_95(std::vector<double> values) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 95 / 100);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 /// Scales that the sizes of all places are measured by.
 struct FlowScale {
   double gradient = 0;  // G_0; 0 where nothing flows.
@@ -142,7 +138,8 @@ FlowScale scale_of(const std::vector<Rates>& rates, const DistinctSamples& sampl
   if (!(speed > 0)) return {0, diagonal};
   std::vector<double> largest(rates.size());
   std::transform(rates.begin(), rates.end(), largest.begin(), [](const Rates& r) { return r.largest; });
-  const double gradient = std::max(percentile_95(std::move(largest)), kConstant * speed / diagonal);
+  const std::size_t rank = largest.size() * 95 / 100;
+  const double gradient = std::max(value_of_rank(std::move(largest), rank), kConstant * speed / diagonal);
   return {gradient, std::min(change * speed / gradient, diagonal)};
 }
 

@@ -39,12 +39,20 @@ std::string text_of_case(const CaseState& state) {
       kVersion, state.c.name, state.given.name, state.input_sha256, case_text(again));
 }
 
-/// What it says of its patches, under the names that the user gives: the stages go by their own.
-MeshInfo info_with_given_names(const CaseState& state) {
-  MeshInfo info = state.mesh_info();
-  static_cast<void>(rename_found(info, state.renamings));  // What is missing is said of the last mesh.
-  return info;
-}
+/// The mesh with its patches under the names that the user gives: the stages go by their own.
+struct NamedMesh {
+  explicit NamedMesh(const CaseState& state)
+      : faces(state.boundary_faces()), info(state.mesh_info()), view(state.view(faces)) {
+    static_cast<void>(rename_found(info, state.renamings));  // What is missing is said of the last mesh.
+    view.info = &info;
+  }
+  NamedMesh(const NamedMesh&) = delete;
+  NamedMesh& operator=(const NamedMesh&) = delete;
+
+  BoundaryFaces faces;
+  MeshInfo info;
+  MeshView view;
+};
 
 }  // namespace
 
@@ -59,19 +67,16 @@ std::vector<std::string> names_of_files(const Case& c) {
 }
 
 void describe_mesh(const CaseState& state, report::StageReport& stage) {
-  const BoundaryFaces faces = state.boundary_faces();
-  const MeshInfo info = info_with_given_names(state);
-  MeshView view = state.view(faces);
-  view.info = &info;
+  const NamedMesh mesh(state);
   quality::EvaluationInput input =
       evaluation_input(state.given.image ? &*state.given.image : nullptr, state.given.image_domain(),
                        state.phantom ? &*state.phantom : nullptr, state.c.input.cuts, state.given.cut_planes,
                        state.centerline);
   input.kernel = state.mixed ? nullptr : &state.mesh;
   stage.evaluation =
-      state.context.phase("measures", [&] { return quality::evaluate(view, input, state.context); });
+      state.context.phase("measures", [&] { return quality::evaluate(mesh.view, input, state.context); });
   if (!state.c.output.report.empty())
-    stage.pictures = state.context.phase("pictures", [&] { return report::draw_stage_pictures(view); });
+    stage.pictures = state.context.phase("pictures", [&] { return report::draw_stage_pictures(mesh.view); });
 }
 
 void describe_layers(const CaseState& state, const std::optional<quality::Evaluation>& before,
@@ -99,12 +104,10 @@ void describe_layers(const CaseState& state, const std::optional<quality::Evalua
 }
 
 report::NamedPicture picture_of_centerline(const CaseState& state) {
-  const BoundaryFaces faces = state.boundary_faces();
-  const MeshInfo info = info_with_given_names(state);
-  MeshView view = state.view(faces);
-  view.info = &info;
+  const NamedMesh mesh(state);
   report::SurfacePicture drawn = state.context.phase("pictures", [&] {
-    return report::draw_surface_with_lines(view, report::surface_for_pictures(view), state.centerline,
+    return report::draw_surface_with_lines(mesh.view, report::surface_for_pictures(mesh.view),
+                                           state.centerline,
                                            {.scalar = "radius", .scalar_name = "radius, mm"});
   });
   return {"The centerline within the surface of the first mesh, coloured by the radius of the vessel.",
@@ -211,11 +214,8 @@ void write_centerline(const CaseState& state, std::vector<report::OutputFile>& f
 
 void write_first_mesh(const CaseState& state, std::vector<report::OutputFile>& files) {
   if (!state.c.output.stages) return;
-  const BoundaryFaces faces = state.boundary_faces();
-  const MeshInfo info = info_with_given_names(state);
-  MeshView view = state.view(faces);
-  view.info = &info;
-  write_mesh(folder_of_stage_files(state) / kFirstFile, MeshInUnit(view, state.c.output.unit).view());
+  const NamedMesh mesh(state);
+  write_mesh(folder_of_stage_files(state) / kFirstFile, MeshInUnit(mesh.view, state.c.output.unit).view());
   files.push_back({kFirstFile, state.has_metric ? "the first mesh with its metric" : "the first mesh"});
 }
 

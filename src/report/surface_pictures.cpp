@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lumesh/core/assert.hpp"
+#include "lumesh/core/value_of_rank.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/sum.hpp"
@@ -51,10 +52,8 @@ class LogarithmicColours {
     std::erase_if(values, [](double v) { return !(v > 0 && std::isfinite(v)); });
     if (values.empty()) return;
     const auto percentile = [&](double share) {
-      const auto at =
-          values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-      std::nth_element(values.begin(), at, values.end());
-      return *at;
+      const double rank = share * static_cast<double>(values.size() - 1) + 0.5;
+      return value_of_rank(values, static_cast<std::size_t>(rank));
     };
     low_ = percentile(0.01);
     high_ = percentile(0.99);

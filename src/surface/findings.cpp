@@ -169,7 +169,7 @@ class SurfaceCheck {
     Finding needles = remark("needles", "");
     double least = std::numbers::pi;
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
-      if (!has_area(corner(t, 0), corner(t, 1), corner(t, 2))) {
+      if (!has_area({corner(t, 0), corner(t, 1), corner(t, 2)})) {
         flat.add(middle_of(t));
         continue;
       }

@@ -372,7 +372,7 @@ class LocalRepair {
                     std::vector<std::uint8_t>& is_touched, std::vector<std::uint8_t>& is_bad) {
     Cell<3>& mine = surface_.triangles[t];
     const auto at = [&](std::size_t i) -> const Vec3& { return surface_.points[mine[i % 3]]; };
-    if (is_touched[t] != 0 || has_area(at(0), at(1), at(2))) return false;
+    if (is_touched[t] != 0 || has_area({at(0), at(1), at(2)})) return false;
     std::size_t s = 0;
     for (const std::size_t i : {1U, 2U})
       if ((at(i + 1) - at(i)).squaredNorm() > (at(s + 1) - at(s)).squaredNorm()) s = i;

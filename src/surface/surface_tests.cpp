@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "lumesh/core/drop_marked.hpp"
-#include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -114,14 +113,6 @@ void without_triangles(TriangleMesh& surface, std::span<const std::uint32_t> tri
   std::vector<std::uint8_t> goes(surface.triangles.size(), 0);
   for (const std::uint32_t t : triangles) goes[t] = 1;
   drop_triangles(surface, goes);
-}
-
-bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto seen = [&](const Vec3& x) { return Vec2(x[(axis + 1) % 3], x[(axis + 2) % 3]); };
-    if (orient2d(seen(a), seen(b), seen(c)) != 0) return true;
-  }
-  return false;
 }
 
 }  // namespace lumesh::surfaces

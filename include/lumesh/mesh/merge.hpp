@@ -30,6 +30,11 @@ struct MergeOptions {
   /// Parts that come from one mesh: surfaces that nearly touch are grooves of it, and not looked at.
   bool surfaces_match = false;
 
+  /// Options for parts that part_of() made of one mesh.
+  [[nodiscard]] static MergeOptions of_one_mesh() {
+    return {
+        .tolerance = 0.0, .equal_labels = EqualLabels::kSame, .allows_apart = true, .surfaces_match = true};
+  }
   void describe(OptionList& list);
 };
 

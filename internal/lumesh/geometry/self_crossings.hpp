@@ -16,6 +16,9 @@ struct SelfCrossing {
   Vec3 place;                   ///< Near both: the middle of what their boxes share, in the points' unit.
 };
 
+/// Whether a triangle has an area, by exact predicates.
+[[nodiscard]] bool has_area(const std::array<Vec3, 3>& corners);
+
 /// Pairs of triangles that cross, touch or cover each other, other than in the corners and edges that
 /// they share by index, ascending. Points at one place under two indices touch. Triangles without area are
 /// left out. Threads: parallel inside, the same result for every thread count. Cost: about 1 us per triangle.

@@ -31,11 +31,16 @@ template <class Cells>
   return in_use;
 }
 
-/// Numbers points in the order in which they are asked for.
+/// Numbers points in the order in which they are asked for, or at once in their own order.
 class PointNumbers {
  public:
   /// @param count  All points, used or not.
   explicit PointNumbers(std::size_t count) : numbers_(count, kNone) {}
+  /// @param in_use  One flag per point: those in use get numbers.
+  explicit PointNumbers(const std::vector<std::uint8_t>& in_use) : PointNumbers(in_use.size()) {
+    for (std::size_t v = 0; v < in_use.size(); ++v)
+      if (in_use[v] != 0) of(static_cast<std::uint32_t>(v));
+  }
 
   /// The number of a point.
   std::uint32_t of(std::uint32_t point) {
@@ -45,6 +50,8 @@ class PointNumbers {
     }
     return numbers_[point];
   }
+  /// The number of a point that has one.
+  [[nodiscard]] std::uint32_t at(std::uint32_t point) const { return numbers_[point]; }
   /// The points that have a number, in the order of these.
   [[nodiscard]] const std::vector<std::uint32_t>& points() const { return points_; }
 

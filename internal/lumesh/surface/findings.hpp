@@ -63,7 +63,4 @@ struct Fan {
 /// Whether one triangle can be reached from another over a few edges.
 [[nodiscard]] bool is_close_along(const EdgeNeighbours& neighbours, std::uint32_t from, std::uint32_t to);
 
-/// Whether a triangle has an area, by exact predicates.
-[[nodiscard]] bool has_area(const Vec3& a, const Vec3& b, const Vec3& c);
-
 }  // namespace lumesh::surfaces

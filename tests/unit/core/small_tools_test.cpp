@@ -1,4 +1,4 @@
-// Misspelt words, options of three numbers, places of grids, disjoint sets, memory.
+// Misspelt words, options of three numbers, places of grids, disjoint sets, medians, memory.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -13,6 +13,7 @@
 #include "lumesh/core/nearest_word.hpp"
 #include "lumesh/core/three_numbers.hpp"
 #include "lumesh/core/types.hpp"
+#include "lumesh/core/value_of_rank.hpp"
 
 namespace lumesh {
 namespace {
@@ -85,6 +86,14 @@ TEST(DisjointSets, AreRepresentedByTheirLowestNumber) {
   for (const auto& [x, lowest] :
        std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 0}, {1, 1}, {2, 2}, {3, 2}, {4, 1}, {5, 1}})
     EXPECT_EQ(sets.find(x), lowest);
+}
+
+TEST(ValueOfRank, IsTheOneThatStandsThereInAscendingOrder) {
+  const std::vector<double> values = {5, -1, 3, 3, 8};
+  EXPECT_EQ(value_of_rank(values, 0), -1);
+  EXPECT_EQ(value_of_rank(values, 1), 3);
+  EXPECT_EQ(value_of_rank(values, 2), 3);
+  EXPECT_EQ(value_of_rank(values, 4), 8);
 }
 
 TEST(Memory, OfThisProcessIsBetweenOneMebibyteAndWhatTheMachineHas) {

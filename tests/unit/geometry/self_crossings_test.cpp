@@ -33,6 +33,13 @@ TEST(SelfCrossings, OfTrianglesThatShareNothing) {
   EXPECT_FALSE(meet({kOrigin, kOnX, kOnY, {3, 3, -1}, {3, 3, 1}, {9, 9, 1}}, {3, 4, 5})) << "beside";
 }
 
+TEST(HasArea, IsExact) {
+  EXPECT_TRUE(has_area({kOrigin, kOnX, kOnY}));
+  EXPECT_TRUE(has_area({Vec3(0, 0, 0), Vec3(0, 1, 1e-300), Vec3(0, 2, 0)})) << "in a plane of y and z";
+  EXPECT_FALSE(has_area({Vec3(1, 1, 1), Vec3(2, 2, 2), Vec3(5, 5, 5)})) << "along a line";
+  EXPECT_FALSE(has_area({kOnX, kOnX, kOnY}));
+}
+
 TEST(SelfCrossings, OfTrianglesInOnePlane) {
   EXPECT_TRUE(meet({kOrigin, kOnX, kOnY, {1, 1, 0}, {2, 1, 0}, {1, 2, 0}}, {3, 4, 5})) << "within";
   EXPECT_TRUE(meet({kOrigin, kOnX, kOnY, {-1, -1, 0}, {9, -1, 0}, {-1, 9, 0}}, {3, 4, 5})) << "around";
