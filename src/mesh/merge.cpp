@@ -124,6 +124,21 @@ MergeReport report_of(const JoinedPoints& joined, std::span<const Contact> conta
   return report;
 }
 
+/// The mesh of all parts but for the places of its points.
+MixedMesh mesh_of(std::span<const MergePart> parts, const MergedLabels& labels, const JoinedPoints& joined,
+                  std::span<const Contact> contacts) {
+  MixedMesh mesh;
+  mesh.info = parts.front().mesh->info;
+  mesh.info.patches.clear();
+  mesh.info.label_names = labels.names;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    append_cells_of(*parts[p].mesh, joined.numbers[p], labels.numbers[p], mesh);
+  merge_faces(parts, labels, joined, contacts, mesh);
+  mesh.metric = values_of(parts, joined, &MixedMesh::metric);
+  mesh.sizes_mm = values_of(parts, joined, &MixedMesh::sizes_mm);
+  return mesh;
+}
+
 }  // namespace
 
 MergeResult merge_meshes(std::span<const MergePart> parts, const MergeOptions& options) {
@@ -140,19 +155,9 @@ MergeResult merge_meshes(std::span<const MergePart> parts, const MergeOptions& o
   for (Contact& contact : contacts)
     for (std::size_t side = 0; side < 2; ++side)
       contact.labels[side] = labels.numbers[contact.parts[side]].at(contact.labels[side]);
-  MergeResult result;
-  result.report = report_of(joined, contacts);
+  MergeResult result{mesh_of(parts, labels, joined, contacts), report_of(joined, contacts)};
   result.report.renumbered = labels.renumbered;
-  MixedMesh& mesh = result.mesh;
-  mesh.info = parts.front().mesh->info;
-  mesh.info.patches.clear();
-  mesh.info.label_names = labels.names;
-  for (std::size_t p = 0; p < parts.size(); ++p)
-    append_cells_of(*parts[p].mesh, joined.numbers[p], labels.numbers[p], mesh);
-  merge_faces(parts, labels, joined, contacts, mesh);
-  mesh.metric = values_of(parts, joined, &MixedMesh::metric);
-  mesh.sizes_mm = values_of(parts, joined, &MixedMesh::sizes_mm);
-  mesh.points = std::move(joined.points);
+  result.mesh.points = std::move(joined.points);
   return result;
 }
 

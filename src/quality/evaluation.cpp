@@ -238,6 +238,24 @@ void add_image(const MeshView& mesh, const MeshSurface& surface, const Evaluatio
         "places of other topology", [&] { return find_topology_places(mesh, image, differences); });
 }
 
+void add_statistics(const MeshView& mesh, Evaluation& evaluation, Context& context) {
+  evaluation.statistics = context.phase("statistics", [&] { return measure(mesh); });
+  for (const LabelVolume& volume : evaluation.statistics.labels) {
+    LabelEvaluation& label = entry(evaluation, volume.label);
+    label.cells = volume.cells;
+    label.volume_mm3 = volume.volume_mm3;
+  }
+}
+
+void add_phantom(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
+                 Evaluation& evaluation, Context& context) {
+  evaluation.reference_voxel_mm = std::cbrt(input.phantom->frame().voxel_volume_mm3());
+  context.phase("distances to the phantom", [&] {
+    for (const LabelReference& label : compare_with_phantom(mesh, surface, *input.phantom, input.cut_planes))
+      entry(evaluation, label.label).reference = label;
+  });
+}
+
 }  // namespace
 
 Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context& context) {
@@ -247,12 +265,7 @@ Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context&
   Evaluation evaluation;
   evaluation.info = *mesh.info;
   evaluation.cut_planes = input.cut_planes.size();
-  evaluation.statistics = context.phase("statistics", [&] { return measure(mesh); });
-  for (const LabelVolume& volume : evaluation.statistics.labels) {
-    LabelEvaluation& label = entry(evaluation, volume.label);
-    label.cells = volume.cells;
-    label.volume_mm3 = volume.volume_mm3;
-  }
+  add_statistics(mesh, evaluation, context);
   add_metric(mesh, evaluation, context);
   const MeshSurface surface = context.phase("surface", [&] {
     return input.kernel != nullptr ? extract_surface(*input.kernel) : extract_surface(mesh);
@@ -261,14 +274,7 @@ Evaluation evaluate(const MeshView& mesh, const EvaluationInput& input, Context&
   context.phase("validity", [&] { find_problems(mesh, input.kernel, surface, evaluation); });
   evaluation.curvature = context.phase("curvature", [&] { return summarise(wall_curvature(mesh, surface)); });
   if (input.image) add_image(mesh, surface, input, evaluation, context);
-  if (input.phantom) {
-    evaluation.reference_voxel_mm = std::cbrt(input.phantom->frame().voxel_volume_mm3());
-    context.phase("distances to the phantom", [&] {
-      for (const LabelReference& label :
-           compare_with_phantom(mesh, surface, *input.phantom, input.cut_planes))
-        entry(evaluation, label.label).reference = label;
-    });
-  }
+  if (input.phantom) add_phantom(mesh, surface, input, evaluation, context);
   return evaluation;
 }
 

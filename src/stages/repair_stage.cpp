@@ -62,6 +62,24 @@ const Vec3* place_of_opening(const std::vector<surfaces::Rim>& rims, const Trian
                           place_text(place), option_name("max_distance")));
 }
 
+double diagonal_mm(const MixedMesh& surface) {
+  Box3 box;
+  for (const Cell<3>& t : surface.triangles)
+    for (const std::uint32_t v : t) box.extend(surface.points[v]);
+  return box.diagonal().norm();
+}
+
+/// The surface repaired where its faults are; without triangles if it has to be rebuilt.
+TriangleMesh repaired_locally(const TriangleMesh& given, const RepairRequest& request,
+                              RepairOutcome& outcome) {
+  surfaces::RepairedSurface repaired = surfaces::repair_locally(given, outcome.max_distance_mm);
+  outcome.report = repaired.report;
+  if (!repaired.ok() && request.method == RepairMethod::kLocal)
+    throw_unrepairable(repaired.failure, repaired.failure_mm);
+  outcome.local_failure = repaired.failure;
+  return std::move(repaired.surface);
+}
+
 /// The checker's last word, and whether each piece encloses anything.
 void require_no_faults(const TriangleMesh& result, const std::string& consequence) {
   for (const Finding& finding : surfaces::findings_of(result.points, result.triangles))
@@ -122,21 +140,12 @@ double RepairRequest::max_distance_mm(double diagonal_mm) const {
 RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& request, Context& context) {
   request.validate();
   if (surface.triangles.empty()) throw Error(ErrorKind::kBadInput, "the surface has no triangles");
-  Box3 box;
-  for (const Cell<3>& t : surface.triangles)
-    for (const std::uint32_t v : t) box.extend(surface.points[v]);
   RepairOutcome outcome;
-  outcome.max_distance_mm = request.max_distance_mm(box.diagonal().norm());
-  TriangleMesh given{surface.points, surface.triangles, surface.triangle_patches, {}}, result;
+  outcome.max_distance_mm = request.max_distance_mm(diagonal_mm(surface));
+  const TriangleMesh given{surface.points, surface.triangles, surface.triangle_patches, {}};
   outcome.given_components = count_components(surfaces::weld(given.points, given.triangles, given.patches));
-  if (request.method != RepairMethod::kRebuild) {
-    surfaces::RepairedSurface repaired = surfaces::repair_locally(given, outcome.max_distance_mm);
-    outcome.report = repaired.report;
-    if (!repaired.ok() && request.method == RepairMethod::kLocal)
-      throw_unrepairable(repaired.failure, repaired.failure_mm);
-    outcome.local_failure = repaired.failure;
-    result = std::move(repaired.surface);
-  }
+  TriangleMesh result;
+  if (request.method != RepairMethod::kRebuild) result = repaired_locally(given, request, outcome);
   if (result.triangles.empty()) rebuild(surface, outcome, result, context);
   if (request.in_single_precision)
     for (Vec3& p : result.points) p = p.cast<float>().cast<double>();
