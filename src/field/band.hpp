@@ -77,6 +77,13 @@ class Band {
   [[nodiscard]] const float* crossings(int entry) const {
     return &crossings_[static_cast<std::size_t>(entry) * kLanes];
   }
+  /// The same for the face between a lane's voxel and the next one along the axis; 0 without crossings.
+  [[nodiscard]] float crossing(Lane lane, int axis) const {
+    if (!has_crossings()) return 0;
+    int entry = first_entry(lane / kLanes);
+    for (int a = 0; a < axis; ++a) entry += static_cast<int>(faces(lane / kLanes, a) != 0);
+    return crossings(entry)[lane % kLanes];
+  }
   [[nodiscard]] const std::array<std::int32_t, kRowCount>& rows(int segment) const {
     return rows_[index(segment)];
   }
@@ -93,6 +100,12 @@ class Band {
   [[nodiscard]] Index3 voxel(Lane lane) const {
     const SegmentPlace& p = grid_.place(lane / kLanes);
     return low_ + Index3(p.x * kLanes + lane % kLanes, p.y, p.z);
+  }
+  /// The lane of a voxel of the image, or a ghost; its segment is the null one where there is none.
+  [[nodiscard]] Lane lane_of(const Index3& voxel) const {
+    const Index3 v = voxel - low_;
+    const int segment = v.x() < 0 ? 0 : grid_.find({v.x() / kLanes, v.y(), v.z()});
+    return segment * kLanes + (v.x() & (kLanes - 1));
   }
   /// Value of an array for a voxel of the image, or a ghost; that of the null segment if that is
   /// not of the band.

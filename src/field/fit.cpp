@@ -9,6 +9,8 @@
 #include "connections.hpp"
 #include "crossing_data.hpp"
 #include "face_data.hpp"
+#include "facing_walls.hpp"
+#include "lumesh/parallel/tasks.hpp"
 #include "segment_loops.hpp"
 #include "sides.hpp"
 #include "simple_voxels.hpp"
@@ -48,11 +50,48 @@ class Fit {
   Fit(const Band& band, BoundaryFidelity fidelity)
       : state_(band), fidelity_(fidelity), stiffness_(begin(state_), noise(), state_), solver_(state_) {}
 
-  LaneArray run() {
+  /// The function, which may leave single voxels on the wrong side.
+  LaneArray& solve() {
     for (int solve = 0; solve < kSolves; ++solve) fit_once(solve);
     harden();
-    keep_sides();
-    return std::move(state_.values);
+    return state_.values;
+  }
+
+  /// Topology first: what is left wrong in thin parts and at saddles, at voxels on which the topology hangs,
+  /// far from the other side, or anywhere if all is to be exact, is put right.
+  void keep_sides() {
+    for_each_segment_block(state_.band.end(), [&](int begin, int end) {
+      for (int s = begin; s < end; ++s) {
+        const auto inside = static_cast<std::uint8_t>(state_.band.in_image(s) & state_.band.sided(s));
+        for (int lane = 0; inside != 0 && lane < kLanes; ++lane)
+          if (Band::has(inside, lane)) keep_side(s * kLanes + lane);
+      }
+    });
+    keep_connections(state_.band, stiffness_.around_thin_parts(), state_.values);
+    for (const Saddle& saddle : state_.band.saddles()) keep_apart(saddle);
+  }
+
+  /// Around each lane, which of the object's voxels with a face are of a part's inner ones, as a share.
+  LaneArray inner_shares() {
+    const Band& band = state_.band;
+    LaneArray inner(band.end()), all(band.end());
+    for_each_segment_block(band.end(), [&](int begin, int end) {
+      for (int s = begin; s < end; ++s) {
+        const auto bits = static_cast<std::uint8_t>(band.boundary(s) & band.plus(s) & band.in_image(s));
+        for (int lane = 0; bits != 0 && lane < kLanes; ++lane) {
+          if (!Band::has(bits, lane)) continue;
+          all.at(s)[lane] = 1;
+          inner.at(s)[lane] =
+              band.image().at(band.voxel(s * kLanes + lane)) == WallPart::kInner ? 1.0F : 0.0F;
+        }
+      }
+    });
+    for (LaneArray* const sums : {&inner, &all})
+      state_.levels.sum_over_window(*sums, Multilevel::Window::kNarrow, *sums);
+    for_each_segment_block(band.end(), [&](int begin, int end) {
+      for (int s = begin; s < end; ++s) store(inner.at(s), load(inner.at(s)) / (load(all.at(s)) + 1e-20F));
+    });
+    return inner;
   }
 
  private:
@@ -113,20 +152,6 @@ class Fit {
       if (static_cast<double>(sides.update(state_)) <= enough && round > 0) break;
       solver_.minimise(kLastTolerance, state_);
     }
-  }
-
-  /// Topology first: what is left wrong in thin parts and at saddles, at voxels on which the topology hangs,
-  /// far from the other side, or anywhere if all is to be exact, is put right.
-  void keep_sides() {
-    for_each_segment_block(state_.band.end(), [&](int begin, int end) {
-      for (int s = begin; s < end; ++s) {
-        const auto inside = static_cast<std::uint8_t>(state_.band.in_image(s) & state_.band.sided(s));
-        for (int lane = 0; inside != 0 && lane < kLanes; ++lane)
-          if (Band::has(inside, lane)) keep_side(s * kLanes + lane);
-      }
-    });
-    keep_connections(state_.band, stiffness_.around_thin_parts(), state_.values);
-    for (const Saddle& saddle : state_.band.saddles()) keep_apart(saddle);
   }
 
   void keep_side(Lane voxel) {
@@ -206,8 +231,65 @@ FitState::FitState(const Band& of)
     store(energy.stiffness.at(s), keep(Lanes{} + 1.0F, mask_of(of.alive(s))));
 }
 
+namespace {
+
+/// What the function of a part says at lanes of the whole band.
+struct PartValue {
+  Lane lane = 0;
+  float value = 0, share = 0;
+  bool is_own = false;  // The nearest wall is the part's.
+};
+
+std::vector<PartValue> fit_part(const FacingWalls& walls, std::size_t number, const Band& whole,
+                                BoundaryFidelity fidelity) {
+  const WallPart part = walls.part(number);
+  const Band band(part.image, part.faces);
+  Fit fit(band, fidelity);
+  const LaneArray& values = fit.solve();
+  const LaneArray shares = fit.inner_shares();
+  std::vector<PartValue> result;
+  for (Lane v = kLanes; v < band.end() * kLanes; ++v) {
+    if (!Band::has(band.alive(v / kLanes), v % kLanes)) continue;
+    const Lane lane = whole.lane_of(band.voxel(v) + part.first);
+    if (lane < kLanes || !Band::has(whole.alive(lane / kLanes), lane % kLanes)) continue;
+    result.push_back({lane, values.data()[v], shares.data()[v], walls.is_of_part(lane, number)});
+  }
+  return result;
+}
+
+/// Where walls face each other, the functions of both, as if each were alone, instead of one for both: the
+/// union's is the greater one. They fade into the common one along the wall.
+void fit_facing_walls(const Band& band, BoundaryFidelity fidelity, LaneArray& values) {
+  const FacingWalls walls(band);
+  if (walls.part_count() == 0) return;
+  std::vector<std::vector<PartValue>> parts(walls.part_count());
+  parallel::for_each_task(parts.size(),
+                          [&](std::size_t p) { parts[p] = fit_part(walls, p, band, fidelity); });
+  LaneArray greatest(band.end(), std::nanf("")), owned(band.end(), 0);
+  for (const auto& part : parts)
+    for (const PartValue& v : part) {
+      float& most = greatest.data()[v.lane];
+      const float common = values.data()[v.lane];
+      const float blended = v.share * v.value + (1 - v.share) * common;
+      if (!(most >= blended)) most = blended;
+      if (v.is_own) owned.data()[v.lane] = 1;
+    }
+  for (Lane lane = kLanes; lane < band.end() * kLanes; ++lane) {
+    const float most = greatest.data()[lane];
+    if (most != most) continue;
+    float& value = values.data()[lane];
+    value = owned.data()[lane] > 0 ? most : std::max(value, most);
+  }
+}
+
+}  // namespace
+
 LaneArray fit(const Band& band, BoundaryFidelity fidelity) {
-  return Fit(band, fidelity).run();
+  Fit fit(band, fidelity);
+  LaneArray& values = fit.solve();
+  if (band.is_outer_wall()) fit_facing_walls(band, fidelity, values);
+  fit.keep_sides();
+  return std::move(values);
 }
 
 }  // namespace lumesh::field

@@ -202,6 +202,55 @@ TEST(LabelField, StraightVesselsThatLeaveObliquelyKeepTheirSection) {
   EXPECT_LT(std::sqrt(squares / kCount), 0.025);
 }
 
+/// Root of the mean square of the errors of two vessels' sections at the border, each 1 for the circle's.
+/// @param gap  Least distance of their walls, in voxels. @param bar  Radius of a rod that joins them far
+/// away.
+double error_beside(double gap, double bar) {
+  constexpr int kPairs = 10;
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  double squares = 0;
+  for (int n = 0; n < kPairs; ++n) {
+    const double radius = 2.2 + 1.8 * uniform(random), turn = 2 * M_PI * uniform(random);
+    const double width = gap + 1.5 * uniform(random);
+    const Vec3 axis = Vec3(1, 0.5 * uniform(random), 0.5 * uniform(random)).normalized();
+    const ImageFrame frame = frame_of({40, 60, 60}, Vec3::Ones());
+    const Vec3 y = axis.cross(Vec3::UnitZ()).normalized(), z = axis.cross(y);
+    const Vec3 off = (radius + 0.5 * width) * (std::cos(turn) * y + std::sin(turn) * z);
+    const Vec3 end(39.5, 29 + uniform(random), 29 + uniform(random));
+    const TubeAxis tubes[2] = {{end + off - off.x() / axis.x() * axis, axis},
+                               {end - off + off.x() / axis.x() * axis, axis}};
+    const Vec3 rod = end - 30 * axis;
+    const auto is_inside = [&](const Vec3& p) {
+      const double along = (p - rod).dot(off.normalized());
+      const bool is_in_rod =
+          std::abs(along) < off.norm() && (p - rod - along * off.normalized()).norm() < bar;
+      return is_in_rod || std::min(tubes[0].distance(p), tubes[1].distance(p)) < radius;
+    };
+    const LabelField field(image_of(frame, 1, [&](const Vec3& p) { return is_inside(p) ? 1 : 0; }), {});
+    for (const int t : {0, 1}) {
+      constexpr double kStep = 0.125, kReach = 7;
+      int inside = 0;
+      for (double dy = -kReach; dy < kReach; dy += kStep)
+        for (double dz = -kReach; dz < kReach; dz += kStep) {
+          const Vec3 place = tubes[t].point + Vec3(-0.01, dy, dz);
+          if (tubes[t].distance(place) < tubes[1 - t].distance(place))
+            inside += field.value(field.frame().to_index(place), 1) > 0 ? 1 : 0;
+        }
+      const double error = inside * kStep * kStep / (M_PI * radius * radius / axis.x()) - 1;
+      squares += error * error;
+    }
+  }
+  return std::sqrt(squares / (2 * kPairs));
+}
+
+/// Of one vessel by itself the error is 2 %. A common function of two walls had 4.2, 6.6 and 4.3 %.
+TEST(LabelField, VesselsSideBySideLeaveTheImageWithTheirSections) {
+  EXPECT_LT(error_beside(1.5, 0), 0.025);
+  EXPECT_LT(error_beside(0.8, 0), 0.035);
+  EXPECT_LT(error_beside(1.5, 2.0), 0.03);
+}
+
 TEST(LabelField, VesselsOneVoxelApartStayApart) {
   const ImageFrame frame = frame_of({48, 36, 24}, Vec3::Ones());
   const TubeAxis first{{23, 11.9, 11.7}, Vec3(1, 0.03, 0.02).normalized()};
