@@ -26,6 +26,7 @@ TEST(Tetrahedron, MeasuresOfTheRegularOneAreTextbookValues) {
   EXPECT_NEAR(extremes.smallest_cosine, 1.0 / 3, 1e-14);
 }
 
+/// The mean ratio is that of Liu and Joe 1994, doi:10.1007/BF01955874.
 TEST(Tetrahedron, CornerOfACubeHasKnownAnglesAtItsEdges) {
   const Vec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(0, 0, 1);
   const auto angles = dihedral_angles_deg(a, b, c, d);

@@ -27,6 +27,7 @@ LabelImage make_image(const Index3& size, std::vector<Label> values, const auto&
 
 const Vec3 kCentre(15.2, 14.7, 15.1);
 
+/// Kong and Rosenfeld 1989, doi:10.1016/0734-189X(89)90147-3: components - tunnels + cavities.
 TEST(Topology, BallTorusAndHollowBallHaveTheirTextbookEulerNumbers) {
   const LabelImage ball =
       make_image({31, 31, 31}, {0, 7}, [](const Vec3& p) { return (p - kCentre).norm() < 10; });

@@ -37,6 +37,7 @@ Vec3 sizes_at(const TetMesh& mesh, const Vec3& point) {
   return Vec3::Zero();
 }
 
+/// Alauzet 2010, doi:10.1016/j.finel.2009.06.028: eqs. (9) and (10) are one where sizes are round.
 TEST(Gradation, LetsRoundSizesGrowByTheLogarithmOfTheGrowthPerDistance) {
   for (const double share : {0.0, 0.125, 1.0}) {
     TetMesh mesh = grid_with_small_corner(Vec3::Constant(0.1));
@@ -49,6 +50,7 @@ TEST(Gradation, LetsRoundSizesGrowByTheLogarithmOfTheGrowthPerDistance) {
   }
 }
 
+/// Alauzet 2010, doi:10.1016/j.finel.2009.06.028, eq. (9), and eq. (10) at a share of 1.
 TEST(Gradation, InMetricSpaceKeepsTheStretchAndInPhysicalSpaceLosesIt) {
   const auto stretch_next_to_corner = [](double share) {
     TetMesh mesh = grid_with_small_corner(Vec3(0.1, 1, 1));

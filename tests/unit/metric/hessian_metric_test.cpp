@@ -59,6 +59,7 @@ TEST(HessianMetric, OfASaddleIsTheSameAsOfTheBowl) {
   EXPECT_NEAR(complexity(mesh, bowl), mesh.vertex_count() / 2.0, 1e-6);
 }
 
+/// Loseille and Alauzet 2011, doi:10.1137/10078654X, the optimal metric in Lp norm for n = 3.
 TEST(HessianMetric, WeighsPlacesByTheNorm) {
   const TetMesh mesh = fixtures::cube_grid(12).build();
   const auto function = [](const Vec3& x) { return std::exp(0.25 * x[0]) + x[1] * x[1] + x[2] * x[2]; };

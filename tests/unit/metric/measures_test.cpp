@@ -25,6 +25,7 @@ struct Samples {
   }
 };
 
+/// Alauzet 2010, doi:10.1016/j.finel.2009.06.028, page 185.
 TEST(EdgeLength, IsExactForSizesThatGrowGeometrically) {
   // h(s) = h0 q^s along the edge, s in [0, 1]: the integral of length / h(s) over s.
   for (const double q : {1.0, 1.0001, 1.3, 1.49, 1.51, 4.0, 100.0}) {
@@ -92,6 +93,7 @@ TEST(MeanRatio, IsTheEuclideanOneInTheIdentity) {
   }
 }
 
+/// The mean of Alauzet 2010, doi:10.1016/j.finel.2009.06.028, section 2.3.2, eq. (3).
 TEST(MeanRatio, TakesTheLogEuclideanMeanOfDifferentMetrics) {
   Samples sample;
   for (int i = 0; i < 100; ++i) {

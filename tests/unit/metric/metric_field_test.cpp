@@ -115,6 +115,7 @@ TetMesh mesh_with_linear_log(int n) {
   return mesh;
 }
 
+/// Alauzet 2010, doi:10.1016/j.finel.2009.06.028, section 2.3.2, eq. (3).
 TEST(MetricField, OnABackgroundInterpolatesLogarithmsLinearly) {
   const MetricField field = MetricField::on_background(mesh_with_linear_log(4));
   MetricField::Hint hint = field.first_hint();
@@ -171,6 +172,7 @@ TEST(MetricField, SizesScale) {
   EXPECT_LT((after.matrix() - 4 * before.matrix()).norm(), 1e-12 * after.matrix().norm());
 }
 
+/// Loseille and Alauzet 2011, doi:10.1137/090754078; eqs. (1) and (2) of the paper (docs/paper.md).
 TEST(Complexity, IsTheIntegralOfTheDensity) {
   fixtures::TetSoup soup = fixtures::cube_grid(16);
   for (Vec3& p : soup.points) p /= 4;

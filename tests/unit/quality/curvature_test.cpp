@@ -47,6 +47,8 @@ Wall pipe(std::uint32_t around, std::uint32_t along, double step, const RadiusAt
   return {points, triangles};
 }
 
+/// Half of the vector of Meyer et al. 2003, doi:10.1007/978-3-662-05105-4_2, eq. (8), in areas of its
+/// figure 4.
 TEST(Curvature, OfABallIsTheInverseOfItsRadius) {
   const fixtures::TriangleSoup ball = fixtures::icosphere(4, 2.5);
   const Wall wall(ball.points, ball.triangles);
@@ -84,6 +86,7 @@ TEST(Curvature, OfAPipeIsHalfTheInverseOfItsRadiusAndItsOpenEndsHaveNone) {
   }
 }
 
+/// The same equation, where the principal curvatures differ.
 TEST(Curvature, OfAWavyPipeShowsTheWaves) {
   // Radius 3 + 0.1 cos(2 pi k / 16): the curvature along it, 0.1 (2 pi / length)^2, tops that around it.
   const double step = 0.125, length = 16 * step;

@@ -62,6 +62,7 @@ TEST(MetricStatistics, ATetrahedronThatIsRegularInItsMetricHasUnitEdgesAndRatio)
   EXPECT_LT(measure(mesh.view()).tetrahedra.mean_mean_ratio, 0.3);  // not so without the metric
 }
 
+/// Alauzet 2010, doi:10.1016/j.finel.2009.06.028, page 185.
 TEST(MetricStatistics, EdgesBetweenTwoSizesHaveTheLogarithmicMeanOfTheirLengths) {
   // Edges of 1 mm from the origin, where the size is h, to vertices with the size 4 h; the other three edges
   // of sqrt(2) mm lie between equal sizes.
@@ -80,6 +81,7 @@ TEST(MetricStatistics, EdgesBetweenTwoSizesHaveTheLogarithmicMeanOfTheirLengths)
   EXPECT_NEAR(s.complexity, (8 + 3 / 8.0) / 4 / 6, 1e-12);
 }
 
+/// Loseille and Alauzet 2011, doi:10.1137/090754078; eqs. (1) and (2) of the paper (docs/paper.md).
 TEST(MetricStatistics, ComplexityOfAConstantMetricIsItsDensityTimesTheVolume) {
   const MixedMesh mesh = unit_cube(5, metric::from_sizes(oblique_axes(), {0.01, 0.3, 2}));
   const MetricStatistics s = measure_in_metric(mesh.view());

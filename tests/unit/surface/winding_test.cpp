@@ -12,6 +12,17 @@
 namespace lumesh {
 namespace {
 
+/// Van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207, eq. (8), where symmetry says the angle.
+TEST(ShareOfView, OfAnOctantIsAnEighthAndOfHalfACubesSideATwelfth) {
+  const Vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1), middle(0, 0, 0);
+  EXPECT_NEAR(surfaces::share_of_view(x, y, z, middle), 1.0 / 8, 1e-15);
+  EXPECT_NEAR(surfaces::share_of_view(x, z, y, middle), -1.0 / 8, 1e-15);
+  const Vec3 a(-1, -1, 1), b(1, -1, 1), c(1, 1, 1);
+  EXPECT_NEAR(surfaces::share_of_view(a, b, c, middle), 1.0 / 12, 1e-15);
+  const double in_its_plane = surfaces::share_of_view(a, b, c, Vec3(0.3, -0.2, 1));
+  EXPECT_NEAR(std::abs(in_its_plane), 1.0 / 2, 1e-15);
+}
+
 TEST(WindingNumbers, AreOneInsideAndZeroOutsideOfABall) {
   const fixtures::TriangleSoup ball = fixtures::icosphere(4, 10);
   const WindingNumbers winding(ball.points, ball.triangles);
