@@ -14,7 +14,7 @@
 namespace lumesh {
 namespace {
 
-[[noreturn]] void refuse_length(const std::string& text) {
+[[noreturn]] void throw_bad_length(const std::string& text) {
   throw Error(ErrorKind::kUsage,
               "\"" + text + "\" is no length; give mm, such as 12.5, or local radii, such as 5r");
 }
@@ -38,7 +38,7 @@ LocalLength local_length_from(const std::string& text) {
   const bool is_in_radii = whole.ends_with('r');
   const auto value = parse_number<double>(whole.substr(0, whole.size() - (is_in_radii ? 1 : 0)));
   const LocalLength length{value.value_or(-1), is_in_radii};
-  if (!length.is_valid()) refuse_length(text);
+  if (!length.is_valid()) throw_bad_length(text);
   return length;
 }
 
@@ -127,9 +127,9 @@ void ExtensionOptions::describe(OptionList& list) {
 
 void ExtensionOptions::validate() const {
   for (const NamedLength& one : lengths)
-    if (!one.length.is_valid()) naming(option_name("extend"), [&] { refuse_length(text_of(one)); });
+    if (!one.length.is_valid()) naming(option_name("extend"), [&] { throw_bad_length(text_of(one)); });
   if (transition && !transition->is_valid())
-    naming(option_name("extend_circle"), [&] { refuse_length(transition->text()); });
+    naming(option_name("extend_circle"), [&] { throw_bad_length(transition->text()); });
 }
 
 }  // namespace lumesh

@@ -44,8 +44,8 @@ void require_tetrahedra(const Path& path, const MeshView& mesh) {
     io::fail(path, fmt::format("holds triangles only, and the boundary has {} quadrilaterals; remove them or "
                                "choose .vtu",
                                mesh.quadrilaterals.size()));
-  constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
-  if (mesh.points.size() > kMost || mesh.tetrahedra.size() > kMost || mesh.triangles.size() > kMost)
+  constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
+  if (mesh.points.size() > kMax || mesh.tetrahedra.size() > kMax || mesh.triangles.size() > kMax)
     io::fail(path, "numbers in 32 bits, too few for this mesh; choose .vtu");
 }
 

@@ -16,19 +16,19 @@ namespace {
 
 /// Takes "wall=2", "wall" or "2" into the options; an empty text says nothing.
 void take_layer_label(const std::string& text, LayerOptions& options) {
-  const auto refuse = [&](const std::string& why) {
+  const auto throw_bad_label = [&](const std::string& why) {
     throw Error(ErrorKind::kUsage, fmt::format("\"{}\": {}", text, why));
   };
   const std::size_t equals = text.find('=');
   const bool has_both = equals != std::string::npos;
   const std::string number = has_both ? text.substr(equals + 1) : text;
   const std::optional<Label> label = parse_number<Label>(number);
-  if (label && *label <= 0) refuse("labels are above 0");
+  if (label && *label <= 0) throw_bad_label("labels are above 0");
   const bool looks_like_number =
       !number.empty() && number.find_first_not_of("+-.0123456789") == std::string::npos;
-  if (equals == 0) refuse("the name is missing; write NAME=NUMBER");
+  if (equals == 0) throw_bad_label("the name is missing; write NAME=NUMBER");
   if (!label && (has_both || looks_like_number))
-    refuse(fmt::format("\"{}\" is no whole number; write NAME=NUMBER", number));
+    throw_bad_label(fmt::format("\"{}\" is no whole number; write NAME=NUMBER", number));
   options.label = label.value_or(0);
   options.label_name = label && !has_both ? "" : text.substr(0, equals);
 }
