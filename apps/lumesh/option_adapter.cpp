@@ -56,7 +56,7 @@ std::vector<double> row_from(const Option& option, const std::string& text, cons
   std::optional<std::vector<double>> row = rows.row_from(text);
   if (!row)
     throw_bad_value(option, fmt::format("\"{}\" is not {} with commas between them, such as {}", text,
-                               rows.width_text(), rows.example));
+                                        rows.width_text(), rows.example));
   return std::move(*row);
 }
 

@@ -51,10 +51,9 @@ Program::Program(std::string description, std::string name)
       cancellation_({.give_up = [this] { give_up(*this); },
                      .on_kept =
                          [this](parallel::CancellationSource::Reason reason) {
-                           if (reason == parallel::CancellationSource::Reason::kSignal)
-                             print_error(
-                                 "lumesh: {}what there is will be written; once more ends it at once\n",
-                                 reason_of_stop());
+                           const bool by_signal = reason == parallel::CancellationSource::Reason::kSignal;
+                           print_error("lumesh: {}what there is will be written{}\n", reason_of_stop(),
+                                       by_signal ? "; once more ends it at once" : "");
                          },
                      .on_tick = [this] { progress_.tick(); }}) {}
 

@@ -14,8 +14,9 @@ struct UsualShare {
 /// on the carotid phantom. A row that no phase begins is what follows the one before, whose stage says itself
 /// how far it is.
 inline constexpr UsualShare kUsualShares[] = {
-    {"phantom", "voxels", 45},
-    {"phantom", "write", 55},
+    {"phantom", "voxels", 22},
+    {"phantom", "volumes", 60},
+    {"phantom", "write", 18},
     {"info", "read", 8},
     {"info", "labels", 2},
     {"info", "openings", 90},

@@ -2,6 +2,7 @@
 /// @file The one table of file formats: extension, readers, writers, and what each holds.
 
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 #include "lumesh/core/file_use.hpp"
@@ -28,7 +29,8 @@ struct FileFormat {
     void (*write)(const Path& path, const MeshView& mesh, const MeshWriteOptions& options) = nullptr;
     MixedMesh (*read_points)(const Path& path) = nullptr;  ///< None: those of read().
     PointData (*read_point_data)(const Path& path) = nullptr;
-    void (*write_image)(const Path& path, const LabelImage& image) = nullptr;
+    void (*write_image)(const Path& path, const LabelImage& image,
+                        const std::function<void()>& when_complete) = nullptr;
   };
 
   std::string_view extension;  ///< In small letters.

@@ -9,6 +9,7 @@
 #include "file_fault.hpp"
 #include "format_table.hpp"
 #include "lumesh/io/image_file.hpp"
+#include "lumesh/parallel/cancellation.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
 #include "parallel_gzip.hpp"
@@ -91,7 +92,8 @@ std::array<std::byte, 352> nifti_header(const fs::path& path, const ImageFrame& 
 
 }  // namespace
 
-void io::write_nrrd(const fs::path& path, const LabelImage& image) {
+void io::write_nrrd(const fs::path& path, const LabelImage& image,
+                    const std::function<void()>& when_complete) {
   const ImageFrame& frame = image.frame();
   const VoxelType type = smallest_type(image);
   OutputFile file(path);
@@ -105,10 +107,12 @@ void io::write_nrrd(const fs::path& path, const LabelImage& image) {
   io::write_gzip(file, frame.voxel_count() * width, [&](std::size_t first, std::size_t last, std::byte* out) {
     fill_voxels(image, type, first / width, last / width, out);
   });
+  if (when_complete) when_complete();
   file.commit();
 }
 
-void io::write_nifti(const fs::path& path, const LabelImage& image) {
+void io::write_nifti(const fs::path& path, const LabelImage& image,
+                     const std::function<void()>& when_complete) {
   const VoxelType type = smallest_type(image);
   const std::array<std::byte, 352> header = nifti_header(path, image.frame(), type);
   const std::size_t width = io::voxel_bytes(type);
@@ -127,16 +131,18 @@ void io::write_nifti(const fs::path& path, const LabelImage& image) {
     constexpr std::size_t kChunk = std::size_t{1} << 20;
     std::vector<std::byte> chunk(kChunk * width);
     for (std::size_t first = 0; first < image.voxels().size(); first += kChunk) {
+      parallel::check_cancelled();
       const std::size_t last = std::min(image.voxels().size(), first + kChunk);
       fill_voxels(image, type, first, last, chunk.data());
       file.write(chunk.data(), (last - first) * width);
     }
   }
+  if (when_complete) when_complete();
   file.commit();
 }
 
-void write_image(const fs::path& path, const LabelImage& image) {
-  io::format_of(path, FileUse::kWriteImage).code.write_image(path, image);
+void write_image(const fs::path& path, const LabelImage& image, const std::function<void()>& when_complete) {
+  io::format_of(path, FileUse::kWriteImage).code.write_image(path, image, when_complete);
 }
 
 }  // namespace lumesh

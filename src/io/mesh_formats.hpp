@@ -2,6 +2,7 @@
 /// @file Readers and writers of the formats in the table of file_formats.cpp. All throw Error{kBadInput}.
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -66,7 +67,9 @@ void check_simvascular_folder(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_gmsh(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_stl(const std::filesystem::path& path);
 
-void write_nrrd(const std::filesystem::path& path, const LabelImage& image);
-void write_nifti(const std::filesystem::path& path, const LabelImage& image);
+void write_nrrd(const std::filesystem::path& path, const LabelImage& image,
+                const std::function<void()>& when_complete);
+void write_nifti(const std::filesystem::path& path, const LabelImage& image,
+                 const std::function<void()>& when_complete);
 
 }  // namespace lumesh::io

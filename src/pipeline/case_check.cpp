@@ -141,9 +141,9 @@ void check_shapes(const Case& c) {
   for (const std::string& name : c.output.meshes)
     if (!is_for(name, FileUse::kWriteMixed))
       throw_bad_case(fmt::format("[output] meshes: {} holds tetrahedra only, not the {}; use {}, or {}", name,
-                         has_prisms ? "prisms of [layers]" : "hexahedra of [lattice] mixed",
-                         formats_for(FileUse::kWriteMixed),
-                         has_prisms ? "set [layers] cells = \"tetrahedra\"" : "leave mixed out"));
+                                 has_prisms ? "prisms of [layers]" : "hexahedra of [lattice] mixed",
+                                 formats_for(FileUse::kWriteMixed),
+                                 has_prisms ? "set [layers] cells = \"tetrahedra\"" : "leave mixed out"));
 }
 
 void check_layer_keys(const Case& c) {

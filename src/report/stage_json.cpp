@@ -227,7 +227,8 @@ std::string phantom_json(const PhantomMade& made, const CommandNotes& notes) {
                {"size_voxels", {spec.size.x(), spec.size.y(), spec.size.z()}},
                {"spacing_mm", place(spec.spacing_mm)},
                {"labels", Json::array()}};
-  for (const LabelTopology& label : made.labels) {
+  for (std::size_t i = 0; i < made.labels.size(); ++i) {
+    const LabelTopology& label = made.labels[i];
     const PhantomTruth truth = made.phantom.truth(label.label);
     json["labels"].push_back({{"label", label.label},
                               {"voxels", label.voxel_count},
@@ -235,7 +236,7 @@ std::string phantom_json(const PhantomMade& made, const CommandNotes& notes) {
                               {"components", label.component_count},
                               {"euler", label.euler_number},
                               {"reference",
-                               {{"volume_mm3", made.phantom.volume_mm3(label.label)},
+                               {{"volume_mm3", made.volumes_mm3[i]},
                                 {"components", truth.component_count},
                                 {"euler", truth.euler_number}}}});
   }

@@ -164,10 +164,12 @@ std::string phantom_text(const PhantomRequest& request, const PhantomMade& made)
   std::string text = fmt::format("{}: {} x {} x {} voxels of {:g} x {:g} x {:g} mm\n", request.image,
                                  spec.size.x(), spec.size.y(), spec.size.z(), spec.spacing_mm.x(),
                                  spec.spacing_mm.y(), spec.spacing_mm.z());
-  for (const LabelTopology& label : made.labels)
+  for (std::size_t i = 0; i < made.labels.size(); ++i) {
+    const LabelTopology& label = made.labels[i];
     text += fmt::format("  label {}: {} voxels, {:.6g} mm3 (truth {:.6g}), components {}, Euler number {}\n",
-                        label.label, label.voxel_count, label.volume_mm3,
-                        made.phantom.volume_mm3(label.label), label.component_count, label.euler_number);
+                        label.label, label.voxel_count, label.volume_mm3, made.volumes_mm3[i],
+                        label.component_count, label.euler_number);
+  }
   return text + fmt::format("{}: parameters, for lumesh evaluate --reference\n", request.parameters_path()) +
          text_of_lines(request.centerline, made.centerline) + text_of_lines(request.velocity, made.velocity);
 }

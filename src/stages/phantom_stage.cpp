@@ -6,7 +6,6 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
-#include "lumesh/core/write_results.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/io/text_file.hpp"
@@ -41,14 +40,20 @@ std::string PhantomRequest::parameters_path() const {
 
 PhantomMade make_phantom(const PhantomRequest& request, Context& context) {
   const PhantomKind kind = request.spec.kind;
-  PhantomMade made{Phantom(request.spec), {}, {}, {}};
+  PhantomMade made{Phantom(request.spec), {}, {}, {}, {}};
   made.centerline = centerline_of(made.phantom);
   made.velocity = velocity_of(made.phantom);
   require_lines(request.centerline, made.centerline, kind);
   require_lines(request.velocity, made.velocity, kind);
   const LabelImage image = context.phase("voxels", [&] { return made.phantom.rasterise(); });
   made.labels = label_topology(image);
-  write_results(context, [&] { write_image(request.image, image); });
+  context.phase("volumes", [&] {
+    for (const LabelTopology& label : made.labels)
+      made.volumes_mm3.push_back(made.phantom.volume_mm3(label.label));
+  });
+  context.phase("write", [&] {  // Takes long: a stop is too late only once the image is complete.
+    write_image(request.image, image, [&] { context.results_exist(); });
+  });
   write_text_file(request.parameters_path(), to_json_text(made.phantom.spec()));
   write_lines(request.centerline, made.centerline, kind);
   write_lines(request.velocity, made.velocity, kind);

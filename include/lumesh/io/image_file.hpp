@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -90,8 +91,10 @@ struct NumberImage {
 
 /// Writes .nrrd (gzip), .nii or .nii.gz, in the smallest integer type that holds the labels. Written beside
 /// the target and renamed when complete.
-/// @throws Error{kBadInput} if the extension is unknown or the file cannot be written; nothing is left behind
-/// then.
-void write_image(const std::filesystem::path& path, const LabelImage& image);
+/// @param when_complete  Called before it is renamed; what it throws leaves the target as it was.
+/// @throws Error{kBadInput} if the extension is unknown or the file cannot be written, and
+///         parallel::Cancelled; nothing is left behind then.
+void write_image(const std::filesystem::path& path, const LabelImage& image,
+                 const std::function<void()>& when_complete = {});
 
 }  // namespace lumesh

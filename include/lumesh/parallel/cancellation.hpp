@@ -34,9 +34,11 @@ template <class Work>
 void run_cancellable(const std::stop_token& stop, const Work& work) {
   tbb::task_group_context scope;
   tbb::task_group group(scope);
-  const std::stop_callback cancel(stop, [&] { scope.cancel_group_execution(); });
   bool is_done = false;
   group.run_and_wait([&] {
+    // Not before: a scope within another one takes over its state as it begins, and forgets a stop.
+    const std::stop_callback cancel(stop, [&] { scope.cancel_group_execution(); });
+    if (is_cancelled()) return;
     work();
     is_done = true;
   });

@@ -26,6 +26,7 @@ struct PhantomRequest {
 struct PhantomMade {
   Phantom phantom;
   std::vector<LabelTopology> labels;  ///< What the voxels of each label amount to.
+  std::vector<double> volumes_mm3;    ///< Exact volumes of these labels.
   Polylines centerline, velocity;     ///< Without lines where the phantom has none.
 };
 

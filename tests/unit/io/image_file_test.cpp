@@ -11,6 +11,7 @@
 #include "../src/io/raw_image.hpp"
 #include "image_reading.hpp"
 #include "lumesh/io/sha256.hpp"
+#include "lumesh/parallel/cancellation.hpp"
 
 namespace lumesh {
 namespace {
@@ -337,6 +338,18 @@ TEST_F(ImageFile, WritesWhatItReadsBack) {
     }
   }
   EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(ImageFile, WhatKeepsACompleteImageFromItsPlaceLeavesTheOneThatWasThere) {
+  for (const char* name : {"w.nrrd", "w.nii", "w.nii.gz"}) {
+    write_image(folder_ / name, image_with_frame({0, 1}));
+    const std::string before = fixtures::read_file(folder_ / name);
+    const std::size_t files = folder_.file_count();
+    const auto stop = [] { throw parallel::Cancelled(); };
+    EXPECT_THROW(write_image(folder_ / name, image_with_frame({0, 2}), stop), parallel::Cancelled);
+    EXPECT_EQ(fixtures::read_file(folder_ / name), before);
+    EXPECT_EQ(folder_.file_count(), files);
+  }
 }
 
 TEST_F(ImageFile, WritesLargeImagesAsOneGzipMember) {

@@ -101,6 +101,15 @@ TEST(Cancellation, InnerWorkStopsAlone) {
   EXPECT_TRUE(goes_on);
 }
 
+TEST(Cancellation, InnerWorkThatWasStoppedBeforeDoesNotBegin) {
+  std::stop_source outer, inner;
+  inner.request_stop();
+  run_cancellable(outer.get_token(), [&] {
+    EXPECT_THROW(run_cancellable(inner.get_token(), [] { ADD_FAILURE(); }), Cancelled);
+    EXPECT_FALSE(is_cancelled());
+  });
+}
+
 /// True once it is, false after ten seconds.
 bool comes_true(const auto& condition) {
   for (int i = 0; i < 1000 && !condition(); ++i) std::this_thread::sleep_for(10ms);
