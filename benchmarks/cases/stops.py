@@ -163,8 +163,8 @@ def measure(bench, name, text, tries, chance):
     for by_limit in (False, True):
         late = []
         for _ in range(tries):
-            for path in bench.out.rglob("*"):
-                if ".part" in path.name:
+            for path in [*bench.out.rglob("*")]:  # What the stopped run before has left.
+                if (".part" in path.name or path.name == "partial") and path.exists():
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
             end = bench.stopped(text, chance.uniform(0.02, 1) * seconds, by_limit)
             if end is None:  # Done before: times of day in its files are new.
