@@ -93,6 +93,24 @@ TEST(Adapt, MakesAUnitMeshOfTheLinearMetric) {
   EXPECT_NEAR(mesh.tet_count() / 4652.0, 11, 1.2);
 }
 
+TEST(AdaptToComplexity, ScalesTheSizesUntilTheMeshSeesTheComplexity) {
+  for (const double complexity : {600.0, 2400.0}) {
+    TetMesh mesh = fixtures::unit_cube(3);
+    const auto shapes = operators::planes_where_flat(mesh);
+    MetricField field = MetricField::analytic(AnalyticKind::kLinear);
+    Context context;
+    const AdaptReport report = adapt_to_complexity(mesh, field, shapes, complexity, {}, context);
+    EXPECT_TRUE(report.complete);
+    expect_valid_unit_volume(mesh);
+    EXPECT_NEAR(report.complexity / complexity, 1, 0.02);
+    // Sizes across are 0.001 + 0.198 |z - 0.5|, along 0.1; 4652 units of complexity in all.
+    MetricField::Hint hint = field.first_hint();
+    const SymTensor metric = field.at(Vec3(0.5, 0.5, 0.9), hint).metric;
+    EXPECT_NEAR(metric.xx, 100 * std::pow(complexity / 4652, 2.0 / 3), 0.05 * metric.xx);
+    EXPECT_NEAR(std::sqrt(metric.xx / metric.zz), (0.001 + 0.198 * 0.4) / 0.1, 1e-6);
+  }
+}
+
 // Polar-1 of UGAWG: sizes are 0.001 across the cylinder of radius 0.5 and 0.1 along it, so that they turn by
 // 11 degrees within one element. Bands as measured, a little wider (docs/measurements.md, adaptation).
 TEST(Adapt, NearlyMakesAUnitMeshOfPolar1) {

@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <set>
 
 #include "fixtures/curved_meshes.hpp"
 #include "fixtures/rough_cube.hpp"
 #include "lumesh/adapt/adapt.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/surface.hpp"
 #include "lumesh/mesh/validate.hpp"
 
 namespace lumesh {
@@ -162,6 +165,65 @@ TEST(Improve, MakesNoTetrahedronThatIsRefused) {
   EXPECT_LT(shortest_edge(free), before);
   EXPECT_GE(shortest_edge(held), before);
   EXPECT_GT(report.after.min_deg, report.before.min_deg + 5);
+}
+
+/// Distance from the middle of each vertex of the surface.
+std::vector<double> radii_of(const TetMesh& mesh) {
+  std::vector<double> radii;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.dimension(VertexId(v)) != VertexDimension::kVolume)
+      radii.push_back(mesh.point(VertexId(v)).norm());
+  return radii;
+}
+
+TEST(Improve, CarriesAllVerticesOfTheSurfaceToWhereItRunsButThoseThatStay) {
+  ImproveOptions options{.passes = 1};
+  options.place = [](PatchId /*patch*/, const Vec3& near) {
+    SurfacePoint place;
+    place.point = 1.02 * near.normalized();
+    place.normal = near.normalized();
+    return std::optional(place);
+  };
+  options.settles_all = true;
+  Context context;
+  TetMesh lifted = fixtures::ball(3);  // Of radius 1.
+  improve(lifted, options, context);
+  const double volume = 4.0 / 3 * std::numbers::pi * std::pow(1.02, 3);
+  EXPECT_NEAR(validate(lifted).labels[0].volume, volume, 1e-3 * volume);
+
+  options.lift = 0;
+  TetMesh free = fixtures::ball(3);
+  improve(free, options, context);
+  ASSERT_TRUE(validate(free).ok()) << validate(free).text();
+  for (const double radius : radii_of(free)) EXPECT_NEAR(radius, 1.02, 1e-9);
+
+  options.stays = [](const Vec3& place) { return place.z() > 0; };
+  TetMesh held = fixtures::ball(3);
+  improve(held, options, context);
+  ASSERT_TRUE(validate(held).ok()) << validate(held).text();
+  for (std::uint32_t v = 0; v < held.vertex_count(); ++v) {
+    if (held.dimension(VertexId(v)) == VertexDimension::kVolume) continue;
+    const Vec3& point = held.point(VertexId(v));
+    EXPECT_NEAR(point.norm(), point.z() > 0 ? 1 : 1.02, 1e-9) << point.transpose();
+  }
+}
+
+TEST(Improve, NothingSlidesOnFrozenPatches) {
+  TetMesh mesh = fixtures::rough_cube(6, 1);
+  const auto surface = surface_of(mesh);
+  ImproveOptions options{.min_dihedral_deg = 35, .max_dihedral_deg = 130, .passes = 3};
+  for (std::uint32_t patch = 0; patch < mesh.info().patches.size(); ++patch)
+    options.frozen_patches.push_back(PatchId(patch));
+  TetMesh free = fixtures::rough_cube(6, 1);
+  Context context;
+  improve(mesh, options, context);
+  std::set<Place> places, before;
+  for (const auto& face : surface_of(mesh)) places.insert(face.begin(), face.end());
+  for (const auto& face : surface) before.insert(face.begin(), face.end());
+  EXPECT_TRUE(std::ranges::includes(before, places)) << "no vertex of the surface is at a new place";
+  options.frozen_patches.clear();
+  improve(free, options, context);
+  EXPECT_NE(surface_of(free), surface);
 }
 
 TEST(Improve, GivesTheSameBitsForEveryThreadCount) {
