@@ -119,8 +119,8 @@ class ExtensionPlanner {
     return std::max(0.0, nearest_mm - b.step_mm);  // Half a square on both sides.
   }
 
-  /// Neighbours whose axes come together stay as far apart as their openings are: so near to each other, axes
-  /// are off by some degrees.
+  /// Neighbours whose axes come together, or are parallel but for their errors, stay as far apart as their
+  /// openings are: so near to each other, axes may be off by some degrees.
   void make_neighbours_parallel() {
     const std::vector<Vec3> found = directions_;
     for (std::size_t g = 0; g < found.size(); ++g) {
@@ -134,11 +134,13 @@ class ExtensionPlanner {
 
   [[nodiscard]] bool may_become_parallel(std::size_t g, std::size_t other,
                                          const std::vector<Vec3>& found) const {
-    constexpr double kAlike = 0.978;  // Cosine of 12 degrees: each turns by about six.
+    constexpr double kAlike = 0.978;       // Cosine of 12 degrees: each turns by about six.
+    constexpr double kParallel = 0.99966;  // Of 1.5 degrees.
     if (!is_wanted(g) || !is_wanted(other) || !are_in_one_plane(g, other)) return false;
     const Vec3 way = plan_.groups[other].section.plane.point_mm - plan_.groups[g].section.plane.point_mm;
     const bool come_together = way.dot(found[g] - found[other]) > 0;
-    return come_together && gaps_mm_[g][other] < kApart * voxel_mm_ && found[g].dot(found[other]) > kAlike;
+    return gaps_mm_[g][other] < kApart * voxel_mm_ &&
+           found[g].dot(found[other]) > (come_together ? kAlike : kParallel);
   }
 
   void add_tube(std::size_t g) {
