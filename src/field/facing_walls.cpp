@@ -19,7 +19,7 @@ constexpr std::size_t kMinVoxels = 24;  // within that way of a supervoxel, else
 constexpr int kInnerSteps = 1, kOwnSteps = 3, kMarginSteps = 5;
 constexpr int kBoxMargin = 8;  // voxels: what is near the image's border stays as far from the box's
 
-/// Where the next voxel along x, y and z is: its row, and how far along it.
+/// Way to the next voxel along x, y and z: its row, and the places along that.
 struct Following {
   int row = -1;  // -1: the own one
   int shift = 0;
@@ -32,6 +32,12 @@ std::uint8_t object_bits(const Band& band, int segment) {
 
 bool is_object(const Band& band, Lane lane) {
   return Band::has(object_bits(band, lane / kLanes), lane % kLanes);
+}
+
+bool is_in_band(const Band& band, Lane lane) {
+  const int segment = lane / kLanes;
+  return segment > 0 && segment < band.end() &&
+         Band::has(static_cast<std::uint8_t>(band.alive(segment) & band.in_image(segment)), lane % kLanes);
 }
 
 /// Calls visit(lane, neighbour) for all pairs of object voxels that share a face.
@@ -125,33 +131,34 @@ void FacingWalls::find_neighbours() {
   });
 }
 
-parallel::Adjacency FacingWalls::facing_cells() {
+/// Each supervoxel grows into the background. Grown ones that touch have met.
+std::vector<std::array<FacingWalls::Cell, 2>> FacingWalls::met_cells() {
   std::vector<std::array<Cell, 2>> met;
   std::vector<Lane> front, next;
   for (Lane lane = 0; lane < static_cast<Lane>(cell_of_.size()); ++lane)
     if (cell_of_[static_cast<std::size_t>(lane)] != 0) front.push_back(lane);
+  const auto grow = [&](Lane lane, Lane other) {
+    if (!is_in_band(band_, other)) return;
+    const Cell own = cell_of_[static_cast<std::size_t>(lane)];
+    Cell& reached = cell_of_[static_cast<std::size_t>(other)];
+    if (reached == 0) {
+      reached = own;
+      next.push_back(other);
+    } else if (reached != own && !(is_object(band_, lane) && is_object(band_, other))) {
+      met.push_back({std::min(own, reached), std::max(own, reached)});
+    }
+  };
   for (int step = 0; step < kGapSteps; ++step, std::swap(front, next)) {
     next.clear();
-    for (const Lane lane : front) {
-      const Cell own = cell_of_[static_cast<std::size_t>(lane)];
-      for_each_face_neighbour(band_, lane, [&](Lane other) {
-        const int segment = other / kLanes;
-        if (segment <= 0 || segment >= band_.end()) return;
-        if (!Band::has(static_cast<std::uint8_t>(band_.alive(segment) & band_.in_image(segment)),
-                       other % kLanes))
-          return;
-        Cell& reached = cell_of_[static_cast<std::size_t>(other)];
-        if (reached == 0) {
-          reached = own;
-          next.push_back(other);
-        } else if (reached != own && !(is_object(band_, lane) && is_object(band_, other))) {
-          const std::array<Cell, 2> pair = {std::min(own, reached), std::max(own, reached)};
-          if (met.empty() || met.back() != pair) met.push_back(pair);
-        }
-      });
-    }
+    for (const Lane lane : front)
+      for_each_face_neighbour(band_, lane, [&](Lane other) { grow(lane, other); });
+    sort_unique(met);
   }
-  sort_unique(met);
+  return met;
+}
+
+parallel::Adjacency FacingWalls::facing_cells() {
+  const std::vector<std::array<Cell, 2>> met = met_cells();
   // Those that hang together near by are one wall, and specks are noise.
   const parallel::Adjacency of_pairs = parallel::cells_around(met, cell_count_);
   std::vector<std::uint8_t> far_ends(met.size(), 0);

@@ -3,6 +3,7 @@
 // between them is long, as of vessels that run side by side. No smooth function suits both walls, so each
 // part is fitted as if the others were not there.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -44,7 +45,9 @@ class FacingWalls {
 
   void find_cells();
   void find_neighbours();
-  /// Supervoxels whose walls meet when they grow into the background, less those that hang together.
+  /// Pairs of supervoxels that meet when they grow into the background, ascending.
+  [[nodiscard]] std::vector<std::array<Cell, 2>> met_cells();
+  /// Of each supervoxel those that it meets though they do not hang together near by, specks left out.
   [[nodiscard]] parallel::Adjacency facing_cells();
   void choose_parts(const parallel::Adjacency& facing);
   [[nodiscard]] std::vector<NearCell> around(const std::vector<Cell>& start, int max_steps) const;

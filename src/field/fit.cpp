@@ -233,7 +233,7 @@ FitState::FitState(const Band& of)
 
 namespace {
 
-/// What the function of a part says at lanes of the whole band.
+/// Value of a part's function at a lane of the whole band.
 struct PartValue {
   Lane lane = 0;
   float value = 0, share = 0;
@@ -257,8 +257,8 @@ std::vector<PartValue> fit_part(const FacingWalls& walls, std::size_t number, co
   return result;
 }
 
-/// Where walls face each other, the functions of both, as if each were alone, instead of one for both: the
-/// union's is the greater one. They fade into the common one along the wall.
+/// Replaces the common function where walls face each other by those of each alone, of which the greater one
+/// is the union's. They fade into the common one along the wall.
 void fit_facing_walls(const Band& band, BoundaryFidelity fidelity, LaneArray& values) {
   const FacingWalls walls(band);
   if (walls.part_count() == 0) return;

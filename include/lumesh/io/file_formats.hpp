@@ -23,10 +23,10 @@ void require_format(const std::filesystem::path& path, FileUse use, ErrorKind ki
 /// such as .vtk.gz, go without saying.
 [[nodiscard]] std::string formats_for(FileUse use, std::string_view before_last = ", ");
 
-/// All of these formats, packed ones, too.
+/// Names of the formats that formats_for() lists, packed ones, too.
 [[nodiscard]] std::vector<std::string_view> format_names(FileUse use);
 
-/// All uses, each with its words: "write volume".
+/// Every use with its words, such as "write volume".
 [[nodiscard]] std::vector<std::pair<FileUse, std::string_view>> file_uses();
 
 /// The meaning of an option, with the formats of the files that it takes.

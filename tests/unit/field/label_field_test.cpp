@@ -244,7 +244,7 @@ double error_beside(double gap, double bar) {
   return std::sqrt(squares / (2 * kPairs));
 }
 
-/// Of one vessel by itself the error is 2 %. A common function of two walls had 4.2, 6.6 and 4.3 %.
+/// The error of one vessel by itself is 2 %. A common function of two walls had 4.2, 6.6 and 4.3 %.
 TEST(LabelField, VesselsSideBySideLeaveTheImageWithTheirSections) {
   EXPECT_LT(error_beside(1.5, 0), 0.025);
   EXPECT_LT(error_beside(0.8, 0), 0.035);

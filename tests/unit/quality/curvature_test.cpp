@@ -86,7 +86,7 @@ TEST(Curvature, OfAPipeIsHalfTheInverseOfItsRadiusAndItsOpenEndsHaveNone) {
   }
 }
 
-/// The same equation, where the principal curvatures differ.
+/// Mean curvature by the same equation where the principal curvatures differ.
 TEST(Curvature, OfAWavyPipeShowsTheWaves) {
   // Radius 3 + 0.1 cos(2 pi k / 16): the curvature along it, 0.1 (2 pi / length)^2, tops that around it.
   const double step = 0.125, length = 16 * step;
