@@ -233,6 +233,8 @@ FitState::FitState(const Band& of)
 
 namespace {
 
+constexpr float kNowhere = -1e3F, kNearBoth = 1;  // voxels
+
 /// Value of a part's function at a lane of the whole band.
 struct PartValue {
   Lane lane = 0;
@@ -265,12 +267,13 @@ void fit_facing_walls(const Band& band, BoundaryFidelity fidelity, LaneArray& va
   std::vector<std::vector<PartValue>> parts(walls.part_count());
   parallel::for_each_task(parts.size(),
                           [&](std::size_t p) { parts[p] = fit_part(walls, p, band, fidelity); });
-  LaneArray greatest(band.end(), std::nanf("")), owned(band.end(), 0);
+  LaneArray greatest(band.end(), std::nanf("")), second(band.end(), kNowhere), owned(band.end(), 0);
   for (const auto& part : parts)
     for (const PartValue& v : part) {
-      float& most = greatest.data()[v.lane];
+      float &most = greatest.data()[v.lane], &next = second.data()[v.lane];
       const float common = values.data()[v.lane];
       const float blended = v.share * v.value + (1 - v.share) * common;
+      next = std::max(next, most == most ? std::min(most, blended) : kNowhere);
       if (!(most >= blended)) most = blended;
       if (v.is_own) owned.data()[v.lane] = 1;
     }
@@ -279,6 +282,11 @@ void fit_facing_walls(const Band& band, BoundaryFidelity fidelity, LaneArray& va
     if (most != most) continue;
     float& value = values.data()[lane];
     value = owned.data()[lane] > 0 ? most : std::max(value, most);
+    // Neither knows of the other: what both come near to stays background.
+    const bool is_between = second.data()[lane] > -kNearBoth &&
+                            !Band::has(band.plus(lane / kLanes), lane % kLanes) &&
+                            Band::has(band.held(lane / kLanes), lane % kLanes);
+    if (is_between) value = std::min(value, -kThinDepth);
   }
 }
 
