@@ -16,7 +16,7 @@ namespace lumesh::cli {
 namespace {
 
 struct AdaptCommand {
-  std::string mesh_path, output_path, metric_output_path, json_path;
+  std::string output_path, metric_output_path, json_path;
   MeshAdaptationRequest request;
   RunOptions run;
 };
@@ -31,15 +31,12 @@ void run(AdaptCommand command) {
   check_format(output_path, FileUse::kWriteVolume);
   check_format(metric_path, FileUse::kMetricAlone);
   check_output_folders({output_path, metric_path, command.json_path});
-  check_inputs_stay({metric_path, command.json_path},
-                    {command.mesh_path, request.tensors.file, request.image});
+  check_inputs_stay({metric_path, command.json_path}, {request.mesh, request.tensors.file, request.image});
   request.stage.adapt.team.threads = threads_of(command.run);
-  MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
-  AdaptedMesh made = adapt_mesh(input, command.mesh_path, request, context);
+  const AdaptedMesh made = adapt_mesh(request, command.run.making(), context);
   const AdaptReport& report = made.result.report;
-  made.mesh.finish(provenance_of(command.run.making(), command.mesh_path, input.info.provenance), context);
   long_run.begin_writing({&output_path, &command.json_path, &metric_path}, report.complete);
-  const MeshView mesh = made.mesh.view(), before = input.view();
+  const MeshView mesh = made.mesh.view(), before = made.mesh.input().view();
   context.phase("write", [&] {
     write_mesh(output_path, mesh);
     if (!metric_path.empty()) write_metric(metric_path, mesh.metric);
@@ -57,11 +54,11 @@ void run(AdaptCommand command) {
 void add_adapt_command(CLI::App& program) {
   const auto command = std::make_shared<AdaptCommand>();
   CLI::App* sub = program.add_subcommand("adapt", "Adapt a tetrahedral mesh to a metric");
-  add_mesh_argument(*sub, command->mesh_path);
+  MeshAdaptationRequest& request = command->request;
+  add_mesh_argument(*sub, request.mesh);
   add_mesh_output(*sub, command->output_path);
   sub->add_option("--metric-output", command->metric_output_path,
                   with_formats("Write the adapted metric beside meshes without", FileUse::kMetricAlone));
-  MeshAdaptationRequest& request = command->request;
   OptionList metric;
   request.describe_metric(metric);
   add_options(*sub, metric);

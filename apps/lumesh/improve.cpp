@@ -15,7 +15,7 @@ namespace lumesh::cli {
 namespace {
 
 struct ImproveCommand {
-  std::string mesh_path, output_path, json_path;
+  std::string output_path, json_path;
   ImproveRequest request;
   RunOptions run;
 };
@@ -28,20 +28,17 @@ void run(ImproveCommand command) {
   request.validate();
   check_format(command.output_path, FileUse::kWriteVolume);
   check_output_folders({command.output_path, command.json_path});
-  check_inputs_stay({command.json_path}, {command.mesh_path, request.metric});
+  check_inputs_stay({command.json_path}, {request.mesh, request.metric});
   request.options.team.threads = threads_of(command.run);
-  MixedMesh input = context.phase("read", [&] { return read_mesh(command.mesh_path); });
-  ImprovedMesh made = improve_mesh(input, command.mesh_path, request, context);
+  const ImprovedMesh made = improve_mesh(request, command.run.making(), context);
   const bool is_complete = made.report.complete;
-  made.finish(provenance_of(command.run.making(), command.mesh_path, input.info.provenance), request,
-              context);
   long_run.begin_writing({&command.output_path, &command.json_path}, is_complete);
   context.phase("write", [&] { write_mesh(command.output_path, made.view()); });
   write_json(command.json_path,
              report::improve_json(made, request.options, session.notes({{command.output_path, kMeshWords}})));
   print_counts(command.run, made.report.by_thread);
   say(command.run, "{}", report::improve_text(command.output_path, made, request, session.seconds()));
-  const MeshView before = input.view();
+  const MeshView before = made.mesh.input().view();
   // A mesh that was cut is not the one that was given.
   long_run.require_sound(command.output_path, made.view(), context, is_complete,
                          request.cut_planes.empty() ? &before : nullptr);
@@ -52,9 +49,9 @@ void run(ImproveCommand command) {
 void add_improve_command(CLI::App& program) {
   const auto command = std::make_shared<ImproveCommand>();
   CLI::App* sub = program.add_subcommand("improve", "Raise the worst dihedral angles of a tetrahedral mesh");
-  add_mesh_argument(*sub, command->mesh_path);
-  add_mesh_output(*sub, command->output_path);
   ImproveRequest& request = command->request;
+  add_mesh_argument(*sub, request.mesh);
+  add_mesh_output(*sub, command->output_path);
   sub->add_option("-m,--metric", request.metric,
                   with_formats("Sizes that edges are to keep to", FileUse::kMetricAlone) +
                       ", the same in all directions; default: the mesh's own");

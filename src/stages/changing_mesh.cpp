@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
@@ -54,12 +55,12 @@ void OwnPoints::bring_back(TetMesh& mesh) const {
   }
 }
 
-ChangingMesh::ChangingMesh(MixedMesh& input, const std::vector<std::string>& keep, const std::string& name,
+ChangingMesh::ChangingMesh(MixedMesh input, const std::vector<std::string>& keep, const std::string& name,
                            Context& context)
-    : input_(&input), own_(input) {
+    : input_(std::make_unique<MixedMesh>(std::move(input))), own_(*input_) {
   if (!keep.empty()) {
-    if (input.triangles.empty() && input.quadrilaterals.empty()) extract_boundary(input);
-    naming(name, [&] { kept_.emplace(input, labels_called(input, keep)); });
+    if (input_->triangles.empty() && input_->quadrilaterals.empty()) extract_boundary(*input_);
+    naming(name, [&] { kept_.emplace(*input_, labels_called(*input_, keep)); });
   }
   changing_ = context.phase("build", [&] { return tetrahedra_of(given(), name); });
 }

@@ -3,13 +3,15 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/metric/background_field.hpp"
 #include "lumesh/stages/metric_input.hpp"
-#include "lumesh/stages/provenance.hpp"
 
 namespace lumesh {
 namespace {
@@ -31,28 +33,22 @@ CutMesh cut_before(MixedMesh& mesh, const std::string& name, std::span<const Cut
 }
 
 /// The sizes of the file or, where they are the same in all directions, of the mesh itself.
-std::optional<metric::MetricField> sizes_of(const ImproveRequest& request, const std::string& name,
-                                            const ChangingMesh& mesh, const Context& context) {
+std::optional<metric::MetricField> sizes_of(const ImproveRequest& request, const ChangingMesh& mesh,
+                                            const Context& context) {
   const MixedMesh& given = mesh.given();
   if (request.ignores_sizes || (request.metric.empty() && given.metric.empty())) return std::nullopt;
-  const std::vector<SymTensor> tensors = mesh.given_metric(name, request.metric);
+  const std::vector<SymTensor> tensors = mesh.given_metric(request.mesh, request.metric);
   if (are_isotropic(tensors)) return metric::background_field(mesh.changing(), tensors, 0);
   if (!request.metric.empty())
     throw Error(
         ErrorKind::kBadInput,
         request.metric +
             ": sizes differ by direction; improve supports isotropic sizes only, use adapt for others");
-  context.warn("the metric of " + name + " is left out: its sizes differ by direction");
+  context.warn("the metric of " + request.mesh + " is left out: its sizes differ by direction");
   return std::nullopt;
 }
 
 }  // namespace
-
-void ImprovedMesh::finish(std::map<std::string, std::string> provenance, const ImproveRequest& request,
-                          Context& context) {
-  note_cuts(request.cut_planes, provenance);
-  mesh.finish(provenance, context);
-}
 
 MeshView ImprovedMesh::view() const {
   MeshView view = mesh.view();
@@ -60,15 +56,24 @@ MeshView ImprovedMesh::view() const {
   return view;
 }
 
-ImprovedMesh improve_mesh(MixedMesh& input, const std::string& name, const ImproveRequest& request,
-                          Context& context) {
-  CutMesh cut = cut_before(input, name, request.cut_planes, context);
-  ImprovedMesh made{std::move(cut), ChangingMesh(input, request.keep, name, context), {}};
+ImprovedMesh improve_mesh(MixedMesh input, const ImproveRequest& request, Context& context) {
+  CutMesh cut = cut_before(input, request.mesh, request.cut_planes, context);
+  ImprovedMesh made{std::move(cut), ChangingMesh(std::move(input), request.keep, request.mesh, context), {}};
   ImproveOptions options = request.options;
-  options.sizes = sizes_of(request, name, made.mesh, context);
+  options.sizes = sizes_of(request, made.mesh, context);
   options.frozen_patches = made.mesh.frozen_patches();
   made.keeps_sizes = options.sizes.has_value();
   made.report = improve(made.mesh.changing(), options, context);
+  return made;
+}
+
+ImprovedMesh improve_mesh(const ImproveRequest& request, const Making& making, Context& context) {
+  MixedMesh input = context.phase("read", [&] { return read_mesh(request.mesh); });
+  ImprovedMesh made = improve_mesh(std::move(input), request, context);
+  std::map<std::string, std::string> provenance =
+      provenance_of(making, request.mesh, made.mesh.input().info.provenance);
+  note_cuts(request.cut_planes, provenance);
+  made.mesh.finish(provenance, context);
   return made;
 }
 

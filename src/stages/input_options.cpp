@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
@@ -42,6 +44,12 @@ std::vector<std::vector<double>> threshold_rows(const std::optional<double>& low
 }
 
 }  // namespace
+
+void ImageSelection::require_image(const std::string& path) const {
+  if (const std::vector<std::string> options = given(); path.empty() && !options.empty())
+    throw Error(ErrorKind::kUsage, fmt::format("{} says what of {} to take; give it",
+                                               option_name(options.front()), option_name("image")));
+}
 
 std::vector<std::string> ImageSelection::given() const {
   return differing_options(*this, ImageSelection());

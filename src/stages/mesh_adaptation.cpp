@@ -8,6 +8,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/metric/background_field.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/input_cuts.hpp"
@@ -27,19 +28,18 @@ std::shared_ptr<const ImageDomain> image_of(const MeshAdaptationRequest& request
 
 /// The metric that the mesh is adapted to. Where it stands against kept cells, sizes go over to theirs, which
 /// the complexity has to allow for.
-AdaptTarget wanted_target(const MeshAdaptationRequest& request, const std::string& name, ChangingMesh& mesh,
-                          Context& context) {
+AdaptTarget wanted_target(const MeshAdaptationRequest& request, ChangingMesh& mesh, Context& context) {
   if (mesh.has_kept() && !request.analytic.is_wanted()) {
     const metric::MetricLimits limits{
         .growth = request.gradation, .kept_patches = mesh.frozen_patches(), .complexity = request.complexity};
-    const double seen = metric::shape_metric(mesh.changing(), mesh.given_metric(name, ""), limits);
+    const double seen = metric::shape_metric(mesh.changing(), mesh.given_metric(request.mesh, ""), limits);
     if (const std::string unmet = metric::unmet_complexity(seen, limits); !unmet.empty()) context.warn(unmet);
     return target_of_metric(mesh.changing(), limits, context);
   }
   AdaptTarget target{
       request.analytic.is_wanted()
           ? metric::MetricField::analytic(*request.analytic.formula)
-          : metric::background_field(mesh.changing(), mesh.given_metric(name, request.tensors.file),
+          : metric::background_field(mesh.changing(), mesh.given_metric(request.mesh, request.tensors.file),
                                      request.gradation),
       request.complexity};
   if (request.complexity == 0)
@@ -48,13 +48,13 @@ AdaptTarget wanted_target(const MeshAdaptationRequest& request, const std::strin
   return target;
 }
 
-void warn_of_doubts(const MeshAdaptationRequest& request, const std::string& name, const MeshInfo& info,
-                    const AdaptResult& result, const Context& context) {
+void warn_of_doubts(const MeshAdaptationRequest& request, const MeshInfo& info, const AdaptResult& result,
+                    const Context& context) {
   for (const std::string& doubt :
-       doubts_about_image(request.image, name, info, "the surface may have become another one"))
+       doubts_about_image(request.image, request.mesh, info, "the surface may have become another one"))
     context.warn(doubt);
   if (request.cuts.none() && was_extended(info))
-    for (const std::string& doubt : doubts_about_cuts(request.cuts, name, info)) context.warn(doubt);
+    for (const std::string& doubt : doubts_about_cuts(request.cuts, request.mesh, info)) context.warn(doubt);
   if (result.patches_on_image == 0)
     context.warn(request.image + ": no patch follows it; all are planes, cylinders or mixed");
 }
@@ -78,9 +78,7 @@ void MeshAdaptationRequest::describe_metric(OptionList& list) {
 void MeshAdaptationRequest::validate() const {
   stage.validate();
   cuts.validate();
-  if (const std::vector<std::string> given = selection.given(); image.empty() && !given.empty())
-    throw Error(ErrorKind::kUsage, fmt::format("{} says what of {} to take; give it",
-                                               option_name(given.front()), option_name("image")));
+  selection.require_image(image);
   if (image.empty() && !cuts.none())
     throw Error(ErrorKind::kUsage, fmt::format("cuts and {} say what of {} to take; give it",
                                                option_name("extend"), option_name("image")));
@@ -89,22 +87,28 @@ void MeshAdaptationRequest::validate() const {
                                                option_name("image"), option_name("boundary")));
 }
 
-AdaptedMesh adapt_mesh(MixedMesh& input, const std::string& name, const MeshAdaptationRequest& request,
-                       Context& context) {
+AdaptedMesh adapt_mesh(MixedMesh input, const MeshAdaptationRequest& request, Context& context) {
   if (request.analytic.is_wanted()) input.metric.clear();
   if (!request.keep.empty() && request.tensors.is_wanted())
-    input.metric = metric_of(input, name, request.tensors.file);
-  AdaptedMesh made{ChangingMesh(input, request.keep, name, context), {}};
+    input.metric = metric_of(input, request.mesh, request.tensors.file);
+  AdaptedMesh made{ChangingMesh(std::move(input), request.keep, request.mesh, context), {}};
   TetMesh& mesh = made.mesh.changing();
-  AdaptTarget target = wanted_target(request, name, made.mesh, context);
+  AdaptTarget target = wanted_target(request, made.mesh, context);
   AdaptRequest stage = request.stage;
   stage.allows_pieces = stage.allows_pieces || made.mesh.has_kept();
   stage.boundary.frozen_patches = made.mesh.frozen_patches();
   stage.boundary.image = image_of(request, context);
   stage.image_name = request.image;
-  made.result = adapt_mesh(mesh, name, std::move(target), stage, context);
+  made.result = adapt_mesh(mesh, request.mesh, std::move(target), stage, context);
   for (const std::string& note : made.result.notes) context.warn(note);
-  if (stage.boundary.image) warn_of_doubts(request, name, mesh.info(), made.result, context);
+  if (stage.boundary.image) warn_of_doubts(request, mesh.info(), made.result, context);
+  return made;
+}
+
+AdaptedMesh adapt_mesh(const MeshAdaptationRequest& request, const Making& making, Context& context) {
+  MixedMesh input = context.phase("read", [&] { return read_mesh(request.mesh); });
+  AdaptedMesh made = adapt_mesh(std::move(input), request, context);
+  made.mesh.finish(provenance_of(making, request.mesh, made.mesh.input().info.provenance), context);
   return made;
 }
 

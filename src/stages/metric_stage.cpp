@@ -4,12 +4,15 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/write_results.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/metric/shaping.hpp"
@@ -21,19 +24,18 @@ namespace {
 /// What the sources are made from: the mesh that gets the metric, and files.
 class MeshSources final : public metric::SourceData {
  public:
-  MeshSources(const MeshMetricRequest& request, const std::string& name, const ChangingMesh& mesh,
-              Context& context)
-      : request_(request), name_(name), mesh_(mesh), context_(context) {}
+  MeshSources(const MeshMetricRequest& request, const ChangingMesh& mesh, Context& context)
+      : request_(request), mesh_(mesh), context_(context) {}
 
   std::vector<SymTensor> tensors(const std::string& file) override {
     if (file.empty() && mesh_.given().metric.empty()) {
       std::vector<std::string> options;
       for (const std::string& name : metric::MetricRequest::source_options())
         options.push_back(option_name(name));
-      throw without_metric(name_,
+      throw without_metric(request_.mesh,
                            fmt::format("give what it is to be made of: {}", fmt::join(options, " or ")));
     }
-    return mesh_.given_metric(name_, file);
+    return mesh_.given_metric(request_.mesh, file);
   }
   std::vector<Vec3> points(const std::string& file) override {
     return context_.phase("read points", [&] {
@@ -52,8 +54,8 @@ class MeshSources final : public metric::SourceData {
   std::vector<double> solution(const std::string& file) override {
     return context_.phase("read solution", [&] {
       if (is_metric_file(file)) return read_solution(file, mesh_.changing().vertex_count());
-      const PointData data = read_point_data(name_);
-      return naming(name_, [&] { return scalars_named(data, file); });
+      const PointData data = read_point_data(request_.mesh);
+      return naming(request_.mesh, [&] { return scalars_named(data, file); });
     });
   }
   std::shared_ptr<const Domain> boundary() override {
@@ -69,12 +71,29 @@ class MeshSources final : public metric::SourceData {
 
  private:
   const MeshMetricRequest& request_;
-  const std::string& name_;
   const ChangingMesh& mesh_;
   Context& context_;
 };
 
 }  // namespace
+
+void MeshMetricRequest::validate() const {
+  metric.validate();
+  if (!image.empty() && !metric.source<metric::CurvatureSource>().is_wanted())
+    throw Error(ErrorKind::kUsage, fmt::format("{} is what the boundary's {} is taken of; give that, too",
+                                               option_name("image"), option_name("curvature")));
+  selection.require_image(image);
+  if (keep.empty()) return;
+  const auto require_none = [](bool is_given, const char* name) {
+    if (is_given)
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("{} has rows of all points, not of those alone that {} leaves "
+                              "free; leave one of them out",
+                              option_name(name), option_name("keep")));
+  };
+  require_none(metric.source<metric::TensorSource>().is_wanted(), "metric");
+  require_none(metric.source<metric::HessianSource>().is_wanted(), "hessian");
+}
 
 MetricResult make_metric(TetMesh& mesh, const metric::MetricRequest& request,
                          const metric::MetricLimits& limits, metric::SourceData& data, Context& context) {
@@ -84,14 +103,37 @@ MetricResult make_metric(TetMesh& mesh, const metric::MetricRequest& request,
   return {complexity, metric::unmet_complexity(complexity, limits)};
 }
 
-MeshWithMetric give_metric(MixedMesh& input, const std::string& name, const MeshMetricRequest& request,
-                           Context& context) {
-  MeshWithMetric made{ChangingMesh(input, request.keep, name, context), {}};
+MeshWithMetric give_metric(MixedMesh input, const MeshMetricRequest& request, Context& context) {
+  MeshWithMetric made{ChangingMesh(std::move(input), request.keep, request.mesh, context), {}};
   metric::MetricLimits limits = request.metric.limits_for(false);
   limits.kept_patches = made.mesh.frozen_patches();
-  MeshSources data(request, name, made.mesh, context);
+  MeshSources data(request, made.mesh, context);
   made.result = make_metric(made.mesh.changing(), request.metric, limits, data, context);
+  if (!made.result.unmet.empty()) context.warn(made.result.unmet);
   return made;
+}
+
+MeshWithMetric give_metric(const MeshMetricRequest& request, const Making& making, Context& context) {
+  MixedMesh input = context.phase("read", [&] { return read_mesh(request.mesh); });
+  MeshWithMetric made = give_metric(std::move(input), request, context);
+  made.mesh.finish_metric(provenance_of(making, request.mesh, made.mesh.input().info.provenance));
+  return made;
+}
+
+void require_holds_metric(const std::string& path) {
+  if (is_metric_file(path) || is_for(path, FileUse::kCarryMetric)) return;
+  throw Error(ErrorKind::kUsage,
+              fmt::format("{}: only {}, {} files carry a metric", path, formats_for(FileUse::kCarryMetric),
+                          formats_for(FileUse::kMetricAlone, " and ")));
+}
+
+void write_with_metric(const std::string& path, const MeshView& mesh, Context& context) {
+  write_results(context, [&] {
+    if (is_metric_file(path))
+      write_metric(path, mesh.metric);
+    else
+      write_mesh(path, mesh);
+  });
 }
 
 }  // namespace lumesh

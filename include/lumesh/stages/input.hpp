@@ -46,6 +46,8 @@ struct ImageSelection {
 
   /// Names of the options that are not as they are by default.
   [[nodiscard]] std::vector<std::string> given() const;
+  /// @throws Error{kUsage} that names an option that is given, where the path of the image is empty.
+  void require_image(const std::string& path) const;
   /// Paths of images beside the one that it is of.
   [[nodiscard]] std::vector<std::string> other_files() const;
   /// @throws Error{kUsage} if the frame is no whole number.

@@ -2,6 +2,7 @@
 /// @file Meshes of files while a stage changes them, wholly or but for cells that stay as they are.
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,13 +40,14 @@ class OwnPoints {
 /// In LPS and mm, in which all options are, until it is finished; then in the frame and unit of its file.
 class ChangingMesh {
  public:
-  /// @param input  Outlives this; is brought to LPS and mm. Where cells are kept and it lists no faces, it
-  /// gets them.
+  /// @param input  Where cells are kept and it lists no faces, it gets them.
   /// @param keep  Names or numbers of labels whose cells stay as they are.
   /// @throws Error{kBadInput} that names the file, as KeptCells and tetrahedra_of() do.
-  ChangingMesh(MixedMesh& input, const std::vector<std::string>& keep, const std::string& name,
+  ChangingMesh(MixedMesh input, const std::vector<std::string>& keep, const std::string& name,
                Context& context);
 
+  /// The mesh as it was before, in LPS and mm.
+  [[nodiscard]] const MixedMesh& input() const { return *input_; }
   /// The input, or its part that is free to change.
   [[nodiscard]] const MixedMesh& given() const { return kept_ ? kept_->free_part() : *input_; }
   /// The metric of that: of a file, which is in the unit of the mesh's own one, or without a name the one
@@ -74,8 +76,8 @@ class ChangingMesh {
   [[nodiscard]] const BoundaryFaces& faces() const { return faces_; }
 
  private:
-  const MixedMesh* input_;
-  OwnPoints own_;
+  std::unique_ptr<MixedMesh> input_;
+  OwnPoints own_;  // Of the input.
   std::optional<KeptCells> kept_;
   TetMesh changing_;
   BoundaryFaces faces_;

@@ -9,10 +9,12 @@
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/stages/changing_mesh.hpp"
 #include "lumesh/stages/mesh_cut.hpp"
+#include "lumesh/stages/provenance.hpp"
 
 namespace lumesh {
 
 struct ImproveRequest {
+  std::string mesh;                  ///< Path.
   ImproveOptions options;            ///< Without sizes and frozen patches, which the stage finds.
   std::vector<CutPlane> cut_planes;  ///< Cut the mesh off before.
   std::vector<std::string> keep;     ///< Labels whose cells stay as they are.
@@ -28,17 +30,18 @@ struct ImprovedMesh {
   ImproveReport report;
   bool keeps_sizes = false;
 
-  /// Ends the changes, and notes the cuts in the provenance.
-  void finish(std::map<std::string, std::string> provenance, const ImproveRequest& request, Context& context);
   /// The whole mesh, once it is finished; with its metric only where edges kept to it.
   [[nodiscard]] MeshView view() const;
 };
 
-/// Cuts the mesh off and improves it, as improve(). Warns of cuts that meet the wall in sharp edges, and of
+/// Cuts a mesh off and improves it, as improve(). Warns of cuts that meet the wall in sharp edges, and of
 /// sizes that differ by direction, which only those of a mesh may.
-/// @param input  Outlives the result; loses what is cut off. @param name  Of the mesh, for messages.
-/// @throws Error{kBadInput} as cut_mesh(), ChangingMesh and metric_of() do.
-[[nodiscard]] ImprovedMesh improve_mesh(MixedMesh& input, const std::string& name,
-                                        const ImproveRequest& request, Context& context);
+/// @param input  The request's mesh, as read. @throws Error{kBadInput} as cut_mesh(), ChangingMesh and
+/// metric_of() do. Parallel inside.
+[[nodiscard]] ImprovedMesh improve_mesh(MixedMesh input, const ImproveRequest& request, Context& context);
+/// The mesh of the file, improved and finished, with its cuts in the provenance.
+/// @param making  For the provenance. @throws Error as above, and what read_mesh() throws.
+[[nodiscard]] ImprovedMesh improve_mesh(const ImproveRequest& request, const Making& making,
+                                        Context& context);
 
 }  // namespace lumesh

@@ -9,10 +9,12 @@
 #include "lumesh/stages/adapt_stage.hpp"
 #include "lumesh/stages/changing_mesh.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/provenance.hpp"
 
 namespace lumesh {
 
 struct MeshAdaptationRequest {
+  std::string mesh;               ///< Path.
   AdaptRequest stage;             ///< Without the image and frozen patches, which the stage finds.
   std::vector<std::string> keep;  ///< Labels whose cells stay as they are.
   metric::TensorSource tensors;   ///< In place of the metric that the mesh carries, …
@@ -33,10 +35,14 @@ struct AdaptedMesh {
   AdaptResult result;
 };
 
-/// Adapts the mesh, as adapt_mesh(). Warns of what that notes, and where the image hardly is the mesh's.
-/// @param input  Outlives the result; gets the metric that counts. @param name  Of the mesh, for messages.
-/// @throws Error{kBadInput} that names the mesh or the image.
-[[nodiscard]] AdaptedMesh adapt_mesh(MixedMesh& input, const std::string& name,
-                                     const MeshAdaptationRequest& request, Context& context);
+/// Adapts a mesh, as adapt_mesh() of the stage. Warns of what that notes, and where the image hardly is the
+/// mesh's.
+/// @param input  The request's mesh, as read. @throws Error{kBadInput} that names the mesh or the image.
+/// Parallel inside.
+[[nodiscard]] AdaptedMesh adapt_mesh(MixedMesh input, const MeshAdaptationRequest& request, Context& context);
+/// The mesh of the file, adapted and finished.
+/// @param making  For the provenance. @throws Error as above, and what read_mesh() throws.
+[[nodiscard]] AdaptedMesh adapt_mesh(const MeshAdaptationRequest& request, const Making& making,
+                                     Context& context);
 
 }  // namespace lumesh

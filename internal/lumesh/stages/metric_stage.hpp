@@ -8,16 +8,19 @@
 #include "lumesh/metric/sources.hpp"
 #include "lumesh/stages/changing_mesh.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/provenance.hpp"
 
 namespace lumesh {
 
 struct MeshMetricRequest {
+  std::string mesh;  ///< Path.
   metric::MetricRequest metric;
   std::string image;              ///< Image whose boundary bends; empty: the mesh's own.
   ImageSelection selection;       ///< Voxels of that image that count.
   std::vector<std::string> keep;  ///< Labels whose cells keep the metric they have.
 
-  void validate() const { metric.validate(); }
+  /// @throws Error{kUsage} that names the option.
+  void validate() const;
 };
 
 struct MetricResult {
@@ -34,15 +37,24 @@ struct MetricResult {
                                        Context& context);
 
 struct MeshWithMetric {
-  ChangingMesh mesh;  ///< For finish_metric().
+  ChangingMesh mesh;
   MetricResult result;
 };
 
-/// The same for the mesh of a file, or for its part that is free to change.
+/// The metric of make_metric() for a mesh, or for its part that is free to change. Warns where limits keep it
+/// from the complexity asked for.
+/// @param input  The request's mesh, as read. @throws Error that names mesh, file or option.
+/// Parallel inside, bitwise identical for every thread count.
+[[nodiscard]] MeshWithMetric give_metric(MixedMesh input, const MeshMetricRequest& request, Context& context);
+/// The mesh of the file with that metric, finished.
+/// @param making  For the provenance. @throws Error as above, and what read_mesh() throws.
+[[nodiscard]] MeshWithMetric give_metric(const MeshMetricRequest& request, const Making& making,
+                                         Context& context);
 
-/// @param input  Outlives the result. @param name  Of the mesh, for messages.
-/// @throws Error that names mesh, file or option.
-[[nodiscard]] MeshWithMetric give_metric(MixedMesh& input, const std::string& name,
-                                         const MeshMetricRequest& request, Context& context);
+/// @throws Error{kUsage} unless a file of this name can hold a metric, alone or with its mesh.
+void require_holds_metric(const std::string& path);
+/// Writes the metric of a mesh alone, or with the mesh, as the name of the file says.
+/// @throws Error{kBadInput} that names the file.
+void write_with_metric(const std::string& path, const MeshView& mesh, Context& context);
 
 }  // namespace lumesh

@@ -12,6 +12,7 @@
 #include "fixtures/metric_cubes.hpp"
 #include "fixtures/mixed_meshes.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/io/mesh_file.hpp"
 
 namespace lumesh {
 namespace {
@@ -28,14 +29,15 @@ TEST(MeshAdaptationRequest, WhatBelongsToAnImageNeedsIt) {
 }
 
 TEST(MeshAdaptation, AFormulasComplexityIsMet) {
-  MixedMesh input = fixtures::mixed_of(fixtures::unit_cube(4));
   MeshAdaptationRequest request;
+  request.mesh = ::testing::TempDir() + "mesh_adaptation_cube.vtu";
+  write_mesh(request.mesh, fixtures::mixed_of(fixtures::unit_cube(4)).view());
   request.analytic.formula = metric::AnalyticKind::kLinear;
   request.complexity = 1000;
   Context context;
-  AdaptedMesh made = adapt_mesh(input, "cube.vtu", request, context);
+  const AdaptedMesh made = adapt_mesh(request, {"adapt", ""}, context);
   EXPECT_NEAR(made.result.report.complexity / 1000, 1, 0.02);
-  made.mesh.finish({}, context);
+  EXPECT_EQ(made.mesh.changing().info().provenance.at("command"), "adapt");
   EXPECT_EQ(made.mesh.view().metric.size(), made.mesh.view().points.size());
   EXPECT_EQ(made.result.patches_on_image, 0u);
 }
@@ -46,7 +48,7 @@ TEST(MeshAdaptation, ASurfaceThatNeedsManyMoreVerticesThanTheSizesIsNoted) {
   input.metric.assign(input.points.size(), coarse);
   std::vector<std::string> warnings;
   Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
-  const AdaptedMesh made = adapt_mesh(input, "cube.vtu", {}, context);
+  const AdaptedMesh made = adapt_mesh(input, {}, context);
   EXPECT_EQ(warnings, made.result.notes);
   EXPECT_EQ(
       std::ranges::count_if(
@@ -67,9 +69,11 @@ TEST(MeshAdaptation, SeveralPiecesAreRefusedByName) {
   input.triangles.clear();
   input.triangle_patches.clear();
   input.metric.assign(input.points.size(), SymTensor::diagonal(1, 1, 1));
+  MeshAdaptationRequest request;
+  request.mesh = "two.vtu";
   Context context;
   try {
-    static_cast<void>(adapt_mesh(input, "two.vtu", {}, context));
+    static_cast<void>(adapt_mesh(input, request, context));
     FAIL() << "two pieces were taken";
   } catch (const Error& error) {
     EXPECT_EQ(std::string(error.what()).find("two.vtu: has 2 pieces"), 0u) << error.what();
