@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/vertex_neighbours.hpp"
 #include "lumesh/metric/tensor.hpp"
+#include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::metric {
@@ -41,42 +45,70 @@ void check(const GradationOptions& options) {
     throw Error(ErrorKind::kUsage, "physical share of the gradation must lie between 0 and 1");
 }
 
+/// The metrics of a mesh's vertices while sweeps lessen their sizes.
+class Sweeps {
+ public:
+  Sweeps(TetMesh& mesh, const GradationOptions& options)
+      : mesh_(mesh),
+        options_(options),
+        neighbours_(vertex_neighbours(mesh)),
+        systems_(mesh.vertex_slots()),
+        changed_(mesh.vertex_slots(), 1) {
+    for_each_vertex([&](std::size_t i, VertexId v) { systems_[i] = eigen_system(mesh_.metric(v)); });
+  }
+
+  /// Intersects every metric with those that its neighbours of the sweep before demand, so that the order of
+  /// vertices does not matter. @return Whether any has changed by more than the tolerance.
+  bool sweep() {
+    std::vector<SymTensor> next(systems_.size());
+    std::vector<std::uint8_t> changes(systems_.size(), 0);
+    for_each_vertex([&](std::size_t i, VertexId v) {
+      const SymTensor before = mesh_.metric(v);
+      next[i] = intersected_at(v);
+      if (next[i] == before) return;
+      changes[i] = std::log(next[i].determinant() / before.determinant()) / 2 > options_.tolerance;
+    });
+    for_each_vertex([&](std::size_t i, VertexId v) {
+      if (next[i] == mesh_.metric(v)) return;
+      systems_[i] = eigen_system(next[i]);
+      mesh_.set_metric(v, next[i], log(next[i]));
+    });
+    changed_ = std::move(changes);
+    return std::ranges::any_of(changed_, [](std::uint8_t c) { return c != 0; });
+  }
+
+ private:
+  template <class Do>
+  void for_each_vertex(const Do& act) const {
+    parallel::for_each_index(systems_.size(), [&](std::size_t i) {
+      if (const VertexId v(static_cast<std::uint32_t>(i)); mesh_.alive(v)) act(i, v);
+    });
+  }
+
+  [[nodiscard]] SymTensor intersected_at(VertexId v) const {
+    SymTensor metric = mesh_.metric(v);
+    for (const std::uint32_t w : neighbours_.of(v.value)) {
+      if (changed_[w] == 0) continue;
+      const SymTensor demand = grown(systems_[w], mesh_.point(v) - mesh_.point(VertexId(w)), options_);
+      if (!is_finer(metric, demand)) metric = intersection(metric, demand);
+    }
+    return metric;
+  }
+
+  TetMesh& mesh_;
+  const GradationOptions& options_;
+  parallel::Adjacency neighbours_;
+  std::vector<EigenSystem> systems_;
+  std::vector<std::uint8_t> changed_;  // In the sweep before.
+};
+
 }  // namespace
 
 int limit_gradation(TetMesh& mesh, const GradationOptions& options) {
   check(options);
-  const parallel::Adjacency neighbours = vertex_neighbours(mesh);
-  const std::size_t count = mesh.vertex_slots();
-  std::vector<EigenSystem> systems(count);
-  const auto id = [](std::size_t v) { return VertexId(static_cast<std::uint32_t>(v)); };
-  parallel::for_each_index(count, [&](std::size_t v) {
-    if (mesh.alive(id(v))) systems[v] = eigen_system(mesh.metric(id(v)));
-  });
-  // From the metrics of the sweep before, so that the order of vertices does not matter.
-  std::vector<std::uint8_t> changed(count, 1), changes(count, 0);
-  for (int sweep = 1; sweep <= options.max_sweeps; ++sweep) {
-    std::vector<SymTensor> next(count);
-    parallel::for_each_index(count, [&](std::size_t v) {
-      changes[v] = 0;
-      if (!mesh.alive(id(v))) return;
-      const SymTensor before = mesh.metric(id(v));
-      next[v] = before;
-      for (const std::uint32_t w : neighbours.of(v)) {
-        if (changed[w] == 0) continue;
-        const SymTensor demand = grown(systems[w], mesh.point(id(v)) - mesh.point(VertexId(w)), options);
-        if (!is_finer(next[v], demand)) next[v] = intersection(next[v], demand);
-      }
-      if (next[v] == before) return;
-      changes[v] = std::log(next[v].determinant() / before.determinant()) / 2 > options.tolerance;
-    });
-    parallel::for_each_index(count, [&](std::size_t v) {
-      if (!mesh.alive(id(v)) || next[v] == mesh.metric(id(v))) return;
-      systems[v] = eigen_system(next[v]);
-      mesh.set_metric(id(v), next[v], log(next[v]));
-    });
-    changed.swap(changes);
-    if (std::ranges::none_of(changed, [](std::uint8_t c) { return c != 0; })) return sweep;
-  }
+  Sweeps sweeps(mesh, options);
+  for (int sweep = 1; sweep <= options.max_sweeps; ++sweep)
+    if (!sweeps.sweep()) return sweep;
   return options.max_sweeps;
 }
 

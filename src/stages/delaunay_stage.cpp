@@ -86,6 +86,31 @@ void join_patches_of_one_name(TetMesh& mesh) {
   mesh.classify_vertices({faces.triangles, faces.patches});
 }
 
+void note_vertices_outside(const Domain& domain, DelaunayMesh& made) {
+  constexpr double kLittleBeyond = 0.01;  // Of the resolution.
+  std::string outside = note_on_vertices_outside(
+      made.mesh.points(), operators::within_cuts_of(domain), kLittleBeyond * domain.resolution_mm(),
+      fmt::format("another {} may help", option_name("edge_length")));
+  if (!outside.empty()) made.report.notes.push_back(std::move(outside));
+}
+
+std::uint64_t count_fixed_points(const Domain& domain, const TetMesh& mesh) {
+  const std::span<const Vec3> points = mesh.points();
+  return static_cast<std::uint64_t>(
+      std::ranges::count_if(points, [&](const Vec3& p) { return domain.is_fixed(p); }));
+}
+
+/// Counts the tetrahedra that the criterion would still refine, and notes that they are many.
+void note_tets_to_refine(const Sizing& criterion, DelaunayMesh& made) {
+  constexpr double kMany = 0.01;
+  const std::uint64_t asks = made.report.criterion_asks = count_to_refine(made.mesh, criterion);
+  if (static_cast<double>(asks) <= kMany * made.mesh.tet_count()) return;
+  made.report.notes.push_back(
+      fmt::format("the criterion would still refine {} of {} tetrahedra, next to surfaces for the most "
+                  "part, whose points stand as `delta` says; a smaller one leaves fewer",
+                  asks, made.mesh.tet_count()));
+}
+
 }  // namespace
 
 DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& request, const Sizing* sizing,
@@ -99,24 +124,9 @@ DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& req
   const Sizing* const criterion = sizing != nullptr && sizing->has_criterion() ? sizing : nullptr;
   if (request.improves && made.is_complete) improve_within(domain, request, criterion, made, context);
   join_patches_of_one_name(made.mesh);
-  constexpr double kLittleBeyond = 0.01;  // Of the resolution.
-  std::string outside = note_on_vertices_outside(
-      made.mesh.points(), operators::within_cuts_of(domain), kLittleBeyond * domain.resolution_mm(),
-      fmt::format("another {} may help", option_name("edge_length")));
-  if (!outside.empty()) made.report.notes.push_back(std::move(outside));
-  if (!domain.fixed_points().empty()) {
-    const std::span<const Vec3> points = made.mesh.points();
-    made.report.fixed_points_kept = static_cast<std::uint64_t>(
-        std::ranges::count_if(points, [&](const Vec3& p) { return domain.is_fixed(p); }));
-  }
-  if (criterion == nullptr) return made;
-  constexpr double kMany = 0.01;
-  made.report.criterion_asks = count_to_refine(made.mesh, *criterion);
-  if (static_cast<double>(made.report.criterion_asks) > kMany * made.mesh.tet_count())
-    made.report.notes.push_back(
-        fmt::format("the criterion would still refine {} of {} tetrahedra, next to surfaces for the most "
-                    "part, whose points stand as `delta` says; a smaller one leaves fewer",
-                    made.report.criterion_asks, made.mesh.tet_count()));
+  note_vertices_outside(domain, made);
+  if (!domain.fixed_points().empty()) made.report.fixed_points_kept = count_fixed_points(domain, made.mesh);
+  if (criterion != nullptr) note_tets_to_refine(*criterion, made);
   return made;
 }
 
