@@ -405,8 +405,9 @@ std::optional<VesselChunks::Sides> VesselChunks::passing_sides(std::uint32_t a, 
                                                                const Vec3& place) const {
   const double reach =
       kReachInHalfWidths * static_cast<double>(std::max(chunks_[a].half_width, chunks_[b].half_width));
-  // Chunks around go to the side to which the way is wider, as a share of the thicker end: a thin vessel that
-  // is sunk into a thick one belongs to its own pieces.
+  // Each chunk around goes to the side to which it is connected more widely, measured as a share of the
+  // thicker of the two chunks that share the faces: so a thin vessel pressed into a thick one keeps its own
+  // chunks.
   std::map<std::uint32_t, bool> is_of_b = {{a, false}, {b, true}};
   Sides sides = {{{a}, {b}}};
   using Way = std::tuple<float, std::uint32_t, bool>;

@@ -43,13 +43,15 @@ class QuietStreams {
 };
 
 /// Teem's traces have a line "[nrrd] FUNCTION: MESSAGE" per function, the innermost one last, whose message
-/// says what is wrong.
+/// says what is wrong; what stands in brackets behind it is for programmers.
 std::string without_trace(const std::string& text) {
   constexpr std::string_view kLine = "[nrrd] ";
   const std::size_t last = text.rfind(kLine);
   if (last == std::string::npos) return text;
   const std::size_t name_end = text.find(": ", last);
-  return text.substr(name_end == std::string::npos ? last + kLine.size() : name_end + 2);
+  const std::size_t begin = name_end == std::string::npos ? last + kLine.size() : name_end + 2;
+  const std::string message = text.substr(begin, text.find(" (", begin) - begin);
+  return message.starts_with("fread got only") ? "its voxels end too early" : message;
 }
 
 /// ITK's descriptions run over several lines and begin with the address of an object.
@@ -68,6 +70,7 @@ std::string one_line(const itk::ExceptionObject& fault) {
   }
   constexpr std::size_t kMaximumLength = 200;
   if (line.size() > kMaximumLength) line.resize(kMaximumLength);
+  if (line.ends_with(' ')) line.pop_back();
   return line;
 }
 

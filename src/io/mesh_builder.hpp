@@ -31,7 +31,8 @@ class MeshBuilder {
   }
 
   void add_point(const Vec3& point) {
-    if (!point.allFinite()) fail(fmt::format("point {} is not finite", mesh_.points.size() + 1));
+    if (!point.allFinite())
+      fail(fmt::format("the coordinates of point {}, counted from 0, are not finite", mesh_.points.size()));
     mesh_.points.push_back(point);
   }
 
@@ -66,7 +67,7 @@ class MeshBuilder {
     for (std::size_t i = 0; i < N; ++i) {
       const std::int64_t corner = corners[N == kPrismOrder.size() ? kPrismOrder[i] : i];
       if (corner < 0 || corner > std::numeric_limits<std::uint32_t>::max() - 1)
-        fail(fmt::format("a cell refers to point {}, which is not there", corner + 1));
+        fail(fmt::format("a cell refers to point {}, counted from 0, which is not there", corner));
       cell[i] = static_cast<std::uint32_t>(corner);
     }
     cells.push_back(cell);
@@ -78,7 +79,7 @@ class MeshBuilder {
     const auto check = [&](const CellBlock& block) {
       for (const std::uint32_t v : block.vertices)
         if (v >= mesh.points.size())
-          fail(fmt::format("a cell refers to point {}, which is not there", v + 1));
+          fail(fmt::format("a cell refers to point {}, counted from 0, which is not there", v));
     };
     for (const CellBlock& block : volume_blocks(mesh)) check(block);
     for (const CellBlock& block : face_blocks(mesh)) check(block);

@@ -79,8 +79,8 @@ std::vector<SymTensor> PointSource::at(std::span<const Vec3> places, SourceData&
 
 void VelocitySource::describe(OptionList& list) {
   list.path("velocity", velocity,
-            "Fine across the flow where its velocity changes, long along it: samples of a velocity, or "
-            "the phantom's",
+            "Fine across the flow where its velocity changes, long along it: samples of a velocity, or in "
+            "`lumesh run` the phantom's",
             {"phantom"})
       .of_files(FileUse::kPointData);
   list.text("velocity_array", array,

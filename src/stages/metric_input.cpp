@@ -49,11 +49,10 @@ std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_
                                         " or " + option_name("analytic"));
   for (std::size_t i = 0; i < tensors.size(); ++i)
     if (!metric::is_metric(tensors[i]))
-      throw Error(
-          ErrorKind::kBadInput,
-          fmt::format("{}: the tensor of vertex {} is no metric; its eigenvalues must be finite, above 0 "
-                      "and within a factor of 1e30 of each other",
-                      metric_path.empty() ? mesh_path : metric_path, i));
+      throw Error(ErrorKind::kBadInput, fmt::format("{}: the tensor of vertex {}, counted from 0, is no "
+                                                    "metric; its eigenvalues must be finite, above 0 "
+                                                    "and within a factor of 1e30 of each other",
+                                                    metric_path.empty() ? mesh_path : metric_path, i));
   return tensors;
 }
 

@@ -49,12 +49,13 @@ struct VoxelsChanged {
 /// get the label that most voxels around them have.
 VoxelsChanged change_touching(TouchChoice choice, LabelImage& image);
 
-/// Background that the object encloses, 26-connected, in no particular order: nothing else of it is at the
-/// border of the image or of the object's box.
+/// A piece of background, 26-connected, that the object encloses: it reaches neither the border of the image
+/// nor that of the object's box.
 struct Cavity {
   std::size_t voxel_count = 0;
   Index3 first = Index3::Zero();  ///< The voxel that comes first in memory.
 };
+/// Cavities of an image, in no particular order. Any number of threads may call it at the same time.
 [[nodiscard]] std::vector<Cavity> find_cavities(const LabelImage& image);
 
 /// Cavities filled: each as find_cavities() tells them gets the label that most voxels beside it have, the
