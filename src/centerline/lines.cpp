@@ -8,8 +8,6 @@ namespace lumesh::centerline {
 
 namespace {
 
-/// Points of a line by default, in radii.
-constexpr double kSpacing = 0.25;
 /// A branch is fitted from where its own walls are all there: its radius times this outside of its parent.
 constexpr double kMouth = 0.3;
 
@@ -125,7 +123,7 @@ class LineMaker {
       tube.reverse();
     }
     const double min_gap = 0.25 * lumen_.voxel_mm();
-    tube = spacing_mm_ > 0 ? resampled(tube, spacing_mm_) : resampled_by_radius(tube, kSpacing, min_gap);
+    tube = spacing_mm_ > 0 ? resampled(tube, spacing_mm_) : resampled_by_radius(tube, kUsualSpacing, min_gap);
   }
 
   /// Leads the last end of a tube to where it belongs.

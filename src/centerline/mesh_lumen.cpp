@@ -13,7 +13,6 @@ namespace lumesh::centerline {
 
 namespace {
 
-constexpr double kMaxVoxels = 4e6;
 constexpr int kMargin = 4;  ///< Voxels around the mesh.
 
 /// Where the mesh's voxels are, and how far beyond its caps vessels go on.
@@ -141,7 +140,7 @@ Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
   if (!(volume > 1e-9 * extent * extent * extent) || !(area > 0))
     throw Error(ErrorKind::kBadInput, "the boundary of the mesh encloses nothing; is its surface closed?");
   // A tube's volume is half its radius times its area.
-  double voxel = std::max(2 * volume / area / 8, std::cbrt(volume / kMaxVoxels));
+  double voxel = std::max(kUsualVoxel * (2 * volume / area), std::cbrt(volume / kMaxUsualVoxels));
   if (options.voxel_mm > 0) voxel = options.voxel_mm;
   if (volume / (voxel * voxel * voxel) > 1e9 || extent / voxel > 30000)
     throw Error(ErrorKind::kBadInput,

@@ -16,6 +16,8 @@
 namespace lumesh {
 namespace {
 
+constexpr int kNearestAlone = 1;  // Points of a size where their number is not given.
+
 void require(bool holds, const std::string& message) {
   if (!holds) throw Error(ErrorKind::kUsage, message);
 }
@@ -206,11 +208,13 @@ void PointSizeOptions::describe(OptionList& list) {
   list.number("size_k", k, between(1, 10000),
               "Nearest of these points, the mean of whose distances counts; the paper has 30")
       .alias("k")
-      .zero("1, for which size_floor is needed")
+      .zero(fmt::format("{}, for which size_floor is needed", kNearestAlone))
       .needs("size_points");
   list.number("size_factor", factor, above(0), "Size per distance to the size_points").needs("size_points");
-  list.number("size_floor", floor_mm, above(0),
-              "Least of these sizes, needed with size_k = 1, where the points themselves have it")
+  list.number(
+          "size_floor", floor_mm, above(0),
+          fmt::format("Least of these sizes, needed with size_k = {}, where the points themselves have it",
+                      kNearestAlone))
       .in("mm")
       .zero("not given")
       .needs("size_points");
@@ -255,9 +259,9 @@ void require_size_points(std::span<const Vec3> points_mm) {
 
 std::unique_ptr<Sizing> size_from_points(std::span<const Vec3> points_mm, const PointSizeOptions& options) {
   options.validate();
-  if (options.k <= 1) require_given_of(options, "size_floor");
+  if (options.k <= kNearestAlone) require_given_of(options, "size_floor");
   require_size_points(points_mm);
-  if (options.k > 1) return std::make_unique<MeanDistanceSizing>(points_mm, options);
+  if (options.k > kNearestAlone) return std::make_unique<MeanDistanceSizing>(points_mm, options);
   return std::make_unique<PointSizing>(points_mm, options);
 }
 

@@ -13,6 +13,7 @@
 #include "flat_tets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/delaunay/sizing.hpp"
+#include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "out_of_bounds.hpp"
@@ -91,7 +92,8 @@ TetMesh hull_around(Box3 box, std::span<const Vec3> outer) {
 class GradedSizing final : public Sizing {
  public:
   GradedSizing(const Domain& domain, double edge_mm, const Sizing* asked)
-      : graded_(size_from_boundary(domain, {.at_boundary_mm = edge_mm, .growth = kGrowth})), asked_(asked) {}
+      : graded_(size_from_boundary(domain, {.at_boundary_mm = edge_mm, .growth = delaunay::kGrowthInwards})),
+        asked_(asked) {}
 
   [[nodiscard]] double size_at(const Vec3& point_mm, Label label) const override {
     const double size_mm = graded_->size_at(point_mm, label);
@@ -103,16 +105,14 @@ class GradedSizing final : public Sizing {
   [[nodiscard]] bool has_criterion() const override { return asked_ != nullptr && asked_->has_criterion(); }
 
  private:
-  static constexpr double kGrowth = 0.6;
   std::unique_ptr<Sizing> graded_;
   const Sizing* asked_;
 };
 
 /// None unless the size inside is larger than the edges of surfaces.
 std::unique_ptr<Sizing> graded_sizing(const Domain& domain, const DelaunayOptions& options) {
-  constexpr double kLarger = 1.2;  // The lattice reaches the boundary with larger cells no more.
   const double edge_mm = delaunay::kEdgePerSpacing * delaunay_delta_mm(options, domain);
-  if (options.size_mm <= kLarger * edge_mm || domain.bounds_mm().isEmpty()) return nullptr;
+  if (options.size_mm <= delaunay::kMuchLarger * edge_mm || domain.bounds_mm().isEmpty()) return nullptr;
   return std::make_unique<GradedSizing>(domain, edge_mm, options.sizing);
 }
 
@@ -185,7 +185,6 @@ void note_pinched(DelaunayReport& report) {
 }  // namespace
 
 double delaunay_delta_mm(const DelaunayOptions& options, const Domain& domain) {
-  constexpr double kUsualEdge = 2.5;  // In units of the resolution, as in the lattice.
   if (options.delta_mm > 0) return options.delta_mm;
   const double edge_mm =
       options.edge_length_mm > 0 ? options.edge_length_mm : kUsualEdge * domain.resolution_mm();

@@ -1,25 +1,35 @@
+#include <fmt/core.h>
+
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
+#include "lumesh/domain/usual_edge.hpp"
+#include "spacing.hpp"
 
 namespace lumesh {
 
 void DelaunayOptions::describe(OptionList& list) {
+  using delaunay::kEdgePerSpacing;
   list.number("edge_length", edge_length_mm, above(0), "Edges on surfaces, and inside without a size")
       .in("mm")
-      .zero("2.5 voxels; of a surface 1.25 of its mean edges, at most 1/51 of its diagonal")
+      .zero(fmt::format("{}; of a surface {}", usual_edge_text(), usual_edge_of_surface_text()))
       .excludes("delta");
-  list.number("delta", delta_mm, above(0),
-              "Instead of the edge length: no place of a surface is farther than this from a point of the "
-              "mesh on it (R1); edges of surfaces are about 1.3 times as long. Less where a part or a gap is "
-              "thin, in a vessel a third of its width, but at least a third of delta")
+  list.number(
+          "delta", delta_mm, above(0),
+          fmt::format("Instead of the edge length: no place of a surface is farther than this from a point "
+                      "of the mesh on it (R1); edges of surfaces are about {:g} times as long. Less where a "
+                      "part or a gap is thin, in a vessel a third of its width, but at least a third of "
+                      "delta",
+                      kEdgePerSpacing))
       .in("mm")
-      .zero("edge_length / 1.3");
-  list.number("size", size_mm, above(0),
-              "Largest wanted edge length inside (R5). Where it is more than 1.2 times the edges of "
-              "surfaces, sizes grow from these by 0.6 mm for each mm inwards")
+      .zero(fmt::format("edge_length / {:g}", kEdgePerSpacing));
+  list.number(
+          "size", size_mm, above(0),
+          fmt::format("Largest wanted edge length inside (R5). Where it is more than {:g} times the edges of "
+                      "surfaces, sizes grow from these by {:g} mm for each mm inwards",
+                      delaunay::kMuchLarger, delaunay::kGrowthInwards))
       .in("mm")
-      .zero("1.3 delta");
+      .zero(fmt::format("{:g} delta", kEdgePerSpacing));
   list.number("surface_distance", surface_distance_mm, above(0),
               "How far flat boundary triangles may stand off a bent surface, about: where it bends, points "
               "stand closer than delta says, down to a third of that")

@@ -96,7 +96,7 @@ void PointCriterionOptions::describe(OptionList& list) {
               "Instead of sizes, the paper's algorithm 3: tetrahedra are refined that have an edge of more "
               "than so many distances from its ends to the nearest of the size_points. size_floor is a "
               "length below which edges stay")
-      .zero("2 without size_floor and size_k")
+      .zero(fmt::format("{:g} without size_floor and size_k", PointCriterionOptions().adapt_const))
       .needs("size_points")
       .excludes("size_k")
       .excludes("size_factor")

@@ -13,6 +13,11 @@ namespace lumesh::delaunay {
 /// Edges on a surface whose points are at least d apart, and at most d from any of its places, have this mean
 /// length in units of d.
 inline constexpr double kEdgePerSpacing = 1.3;
+/// Size inside, in units of the edges on surfaces, above which sizes grow from these: the lattice reaches the
+/// boundary with larger cells no more.
+inline constexpr double kMuchLarger = 1.2;
+/// Growth of these sizes per distance from surfaces.
+inline constexpr double kGrowthInwards = 0.6;
 /// Circumradius of a regular tetrahedron whose edges are sqrt(2) long: where larger, edges are too long.
 inline constexpr double kRadiusPerSize = 0.866;
 

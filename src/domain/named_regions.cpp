@@ -9,6 +9,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/patched_surface.hpp"
+#include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 
@@ -46,7 +47,8 @@ NamedRegions::NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& 
       box(bounding_box(surface.points)),
       mean_edge_mm(mean_edge_mm_of(surface)),
       resolution_mm(view.resolution_mm > 0 ? view.resolution_mm
-                                           : std::min(0.5 * mean_edge_mm, box.diagonal().norm() / 128)),
+                                           : std::min(kResolutionPerEdge * mean_edge_mm,
+                                                      box.diagonal().norm() / kResolutionsPerDiagonal)),
       patches_(view.patch_info.begin(), view.patch_info.end()) {
   std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
   std::erase_if(used, [&](std::int32_t number) { return is_cap_of_file(number); });

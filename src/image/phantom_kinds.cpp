@@ -10,35 +10,26 @@
 
 namespace lumesh::image {
 
-namespace {
-
-using std::numbers::pi;
-
-/// Default size, spacing and lengths of a kind; lengths are in voxels of that image.
-struct Reference {
-  Index3 size;
-  double spacing_mm;
-  double radius;
-  double end_radius;
-  double sac_radius;
-  double ring_radius;
-};
-
-Reference reference_of(PhantomKind kind) {
+PhantomReference reference_of(PhantomKind kind) {
+  constexpr double kBall = 20;
   switch (kind) {
     case PhantomKind::kCarotid:
       return {{512, 512, 508}, 1.0, 14, 4, 35, 0};
     case PhantomKind::kBifurcation:
       return {{176, 128, 160}, 0.15, 9, 6, 16, 0};
     case PhantomKind::kLayered:
-      return {{96, 96, 96}, 1.0, 20, 0, 0, 0};
+      return {{96, 96, 96}, 1.0, kBall, 0, 0, 0};
     case PhantomKind::kSphere:
-      return {{64, 64, 64}, 1.0, 20, 0, 0, 0};
+      return {{64, 64, 64}, 1.0, kBall, 0, 0, 0};
     case PhantomKind::kTorus:
       return {{96, 96, 48}, 1.0, 11, 0, 0, 28};
   }
   throw Error(ErrorKind::kUsage, "unknown kind of phantom");
 }
+
+namespace {
+
+using std::numbers::pi;
 
 /// Millimetres per voxel of the reference image, after fitting that image into this one.
 double scale_of(const PhantomSpec& spec) {
@@ -326,7 +317,7 @@ void check_range(const PhantomSpec& spec, std::string_view field, double value, 
 }  // namespace
 
 void fill_defaults(PhantomSpec& spec) {
-  const Reference reference = reference_of(spec.kind);
+  const PhantomReference reference = reference_of(spec.kind);
   if ((spec.size.array() == 0).all()) spec.size = reference.size;
   if ((spec.spacing_mm.array() == 0).all()) spec.spacing_mm = Vec3::Constant(reference.spacing_mm);
   const double scale = scale_of(spec);
@@ -338,7 +329,8 @@ void fill_defaults(PhantomSpec& spec) {
     spec.end_radius_mm = spec.radius_mm * reference.end_radius / reference.radius;
   fill(spec.sac_radius_mm, reference.sac_radius);
   fill(spec.ring_radius_mm, reference.ring_radius);
-  if (spec.wall_mm == 0 && spec.kind == PhantomKind::kLayered) spec.wall_mm = 2 * spec.spacing_mm.maxCoeff();
+  if (spec.wall_mm == 0 && spec.kind == PhantomKind::kLayered)
+    spec.wall_mm = kUsualWall * spec.spacing_mm.maxCoeff();
 }
 
 void check_radii(const PhantomSpec& spec) {
@@ -349,7 +341,7 @@ void check_radii(const PhantomSpec& spec) {
   switch (spec.kind) {
     case PhantomKind::kCarotid:
     case PhantomKind::kBifurcation: {
-      const Reference reference = reference_of(spec.kind);
+      const PhantomReference reference = reference_of(spec.kind);
       check_range(spec, "radius", spec.radius_mm, voxel, 1.4 * reference.radius * scale);
       check_range(spec, "end radius", spec.end_radius_mm, 0.75 * voxel, spec.radius_mm);
       check_range(spec, "sac radius", spec.sac_radius_mm, 1.5 * spec.radius_mm,

@@ -32,6 +32,19 @@ struct PhantomGeometry {
   std::vector<AxisPoint> closed_axis;  ///< The torus' core circle.
 };
 
+/// Default size, spacing and lengths of a kind; lengths are in voxels of that image.
+struct PhantomReference {
+  Index3 size;
+  double spacing_mm;
+  double radius;
+  double end_radius;
+  double sac_radius;
+  double ring_radius;
+};
+[[nodiscard]] PhantomReference reference_of(PhantomKind kind);
+/// Thickness of a wall where none is given, in voxels.
+inline constexpr double kUsualWall = 2;
+
 /// What resolve() does to sizes and radii before it validates.
 void fill_defaults(PhantomSpec& spec);
 /// Throws Error{kUsage} if the parts do not fit.

@@ -103,16 +103,28 @@ PhantomKind phantom_kind_from_name(std::string_view name) {
 
 void PhantomSpec::describe(OptionList& list) {
   describe_image(list);
-  const auto length = [&](const char* name, double& target, const char* meaning) {
-    list.number(name, target, at_least(0), meaning).in("mm").zero("by kind");
+  const auto length = [&](const char* name, double& target, std::string meaning) {
+    list.number(name, target, at_least(0), std::move(meaning)).in("mm").zero("by kind");
   };
+  const image::PhantomReference carotid = image::reference_of(PhantomKind::kCarotid),
+                                bifurcation = image::reference_of(PhantomKind::kBifurcation),
+                                ball = image::reference_of(PhantomKind::kSphere),
+                                torus = image::reference_of(PhantomKind::kTorus);
   length("radius", radius_mm,
-         "Radius of the inlet, ball or tube; default 14, bifurcation 9, layered and sphere 20, torus 11 "
-         "voxels of the default image, scaled with the image's extent");
-  length("end_radius", end_radius_mm, "Radius of the smallest outlet; default 0.29 (bifurcation 0.67) radii");
-  length("sac_radius", sac_radius_mm, "Radius of the sac or dome; default 35 (bifurcation 16) such voxels");
-  length("ring_radius", ring_radius_mm, "Radius of the torus' core circle; default 28 such voxels");
-  length("wall", wall_mm, "Thickness of the wall of layered; default 2 voxels");
+         fmt::format(
+             "Radius of the inlet, ball or tube; default {:g}, bifurcation {:g}, layered and sphere {:g}, "
+             "torus {:g} voxels of the default image, scaled with the image's extent",
+             carotid.radius, bifurcation.radius, ball.radius, torus.radius));
+  length("end_radius", end_radius_mm,
+         fmt::format("Radius of the smallest outlet; default {:.2g} (bifurcation {:.2g}) radii",
+                     carotid.end_radius / carotid.radius, bifurcation.end_radius / bifurcation.radius));
+  length("sac_radius", sac_radius_mm,
+         fmt::format("Radius of the sac or dome; default {:g} (bifurcation {:g}) such voxels",
+                     carotid.sac_radius, bifurcation.sac_radius));
+  length("ring_radius", ring_radius_mm,
+         fmt::format("Radius of the torus' core circle; default {:g} such voxels", torus.ring_radius));
+  length("wall", wall_mm,
+         fmt::format("Thickness of the wall of layered; default {:g} voxels", image::kUsualWall));
   list.number("seed", seed, at_least(0), "Seed of the noise");
   list.rows("rotate", exactly_three_numbers(rotation_deg, "0,30,0"),
             "Turns of the image's axes about x, then y, then z")

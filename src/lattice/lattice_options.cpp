@@ -1,6 +1,7 @@
 #include <span>
 
 #include "lumesh/core/option.hpp"
+#include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/image/labels_named.hpp"
 #include "lumesh/lattice/lattice.hpp"
 
@@ -12,7 +13,7 @@ void LatticeOptions::describe(OptionList& list) {
               "voxel counts as the geometric mean of its edges")
       .in("mm")
       .alias("spacing")
-      .zero("2.5 voxels");
+      .zero(usual_edge_text());
   list.number("fidelity", fidelity, between(0.1, 0.98),
               "At a boundary the spacing is at most 4 (1 - fidelity) times the local half thickness, in "
               "vessels at most 0.8 of their radius; edges, tips and clefts get half of the spacing at most");

@@ -8,6 +8,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
+#include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/field/boundary_bricks.hpp"
 #include "lumesh/image/neighbourhood.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -267,8 +268,7 @@ bool SizeGrid::boundary_within(const Vec3& point_mm, double radius_mm) const {
 }
 
 double boundary_spacing_mm(const LatticeOptions& options, const ImageDomain& domain) {
-  constexpr double kDefaultVoxels = 2.5;
-  return options.spacing_mm > 0 ? options.spacing_mm : kDefaultVoxels * domain.voxel_size_mm();
+  return options.spacing_mm > 0 ? options.spacing_mm : kUsualEdge * domain.voxel_size_mm();
 }
 
 }  // namespace lumesh

@@ -36,10 +36,10 @@ Extent extent_of(std::span<const PartSurface> parts) {
 }
 
 double tolerance_for(const Extent& extent, std::optional<double> wanted) {
-  constexpr double kOfCoordinate = 2e-6, kOfEdge = 0.1, kMaxOfEdge = 0.5;
+  constexpr double kMaxOfEdge = 0.5;
   if (!wanted) {
     const double largest = extent.box.min().cwiseAbs().cwiseMax(extent.box.max().cwiseAbs()).maxCoeff();
-    return std::min(kOfCoordinate * largest, kOfEdge * extent.shortest_edge);
+    return std::min(kUsualOfCoordinate * largest, kUsualOfEdge * extent.shortest_edge);
   }
   if (!(*wanted >= 0) || !std::isfinite(*wanted))
     throw Error(ErrorKind::kBadInput, "the tolerance must be a number of 0 or more");

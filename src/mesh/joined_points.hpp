@@ -28,6 +28,10 @@ struct JoinedPoints {
   double farthest = 0;  ///< Largest distance of points that became one.
 };
 
+/// Tolerance where none is given: this share of the largest coordinate, but at most that of the shortest
+/// edge.
+inline constexpr double kUsualOfCoordinate = 2e-6, kUsualOfEdge = 0.1;
+
 /// Joins points of the surfaces that are within the tolerance, as MergeOptions::tolerance says.
 /// @throws Error{kBadInput} if points of one part would become one.
 [[nodiscard]] JoinedPoints join_points(std::span<const PartSurface> parts, std::optional<double> tolerance);

@@ -10,6 +10,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/core/spoken_number.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -20,7 +21,8 @@ namespace lumesh {
 void MergeOptions::describe(OptionList& list) {
   list.number("tolerance", tolerance, {.min = 0},
               "Points of the surfaces no farther apart are one, in the mesh's unit; 0: equal to the last bit")
-      .by_default("2e-6 of the largest coordinate, at most a tenth of the shortest edge");
+      .by_default(fmt::format("{} of the largest coordinate, at most {} of the shortest edge",
+                              spoken(detail::kUsualOfCoordinate), spoken(detail::kUsualOfEdge)));
   list.choice("equal_labels", equal_labels,
               {{"by-name", EqualLabels::kByName}, {"apart", EqualLabels::kApart}},
               "Labels of one number in several files: by-name: one material unless their names differ; "

@@ -107,7 +107,6 @@ BoundaryFaces kept_faces(const TetMesh& mesh, const MetricLimits& limits) {
 
 /// The scale for the complexity is sought until it is met or does not change any more.
 double shape_to_limits(TetMesh& mesh, std::span<const SymTensor> wanted, const MetricLimits& limits) {
-  constexpr double kUsualGrowth = 1.5;
   std::optional<BoundarySizes> sizes;
   if (const BoundaryFaces faces = kept_faces(mesh, limits); !faces.triangles.empty())
     sizes.emplace(mesh, faces, limits.growth > 0 ? limits.growth : kUsualGrowth);

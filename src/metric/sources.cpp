@@ -1,5 +1,7 @@
 #include "lumesh/metric/sources.hpp"
 
+#include <fmt/core.h>
+
 #include <limits>
 
 #include "lumesh/core/error.hpp"
@@ -7,6 +9,7 @@
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/metric/analytic.hpp"
 #include "lumesh/metric/curvature_metric.hpp"
+#include "lumesh/metric/gradation.hpp"
 #include "lumesh/metric/hessian_metric.hpp"
 #include "lumesh/metric/point_metric.hpp"
 #include "lumesh/metric/velocity_metric.hpp"
@@ -142,7 +145,8 @@ void MetricRequest::describe(OptionList& list) {
               "Sizes grow at most by this factor from one edge of unit length to the next; they only become "
               "smaller")
       .zero("no bound")
-      .by_default("1.5; no bound where the metric is a formula, a file's or the mesh's own");
+      .by_default(fmt::format("{:g}; no bound where the metric is a formula, a file's or the mesh's own",
+                              kUsualGrowth));
   limits.describe(list);
   using Choice = std::optional<bool>;
   list.choice("frozen_sizes", frozen_sizes,
@@ -171,13 +175,12 @@ std::vector<std::string> MetricRequest::source_options() {
 }
 
 MetricLimits MetricRequest::limits_for(bool is_frozen) const {
-  constexpr double kGradation = 1.5;
   MetricLimits result = limits;
   bool is_made = false;
   for_each_source(sources, [&]<class Source>(const Source& source) {
     if constexpr (!requires { Source::kIsTakenAsIs; }) is_made = is_made || source.is_wanted();
   });
-  result.growth = gradation.value_or(is_made ? kGradation : 0);
+  result.growth = gradation.value_or(is_made ? kUsualGrowth : 0);
   result.keeps_boundary = frozen_sizes.value_or(is_frozen);
   return result;
 }

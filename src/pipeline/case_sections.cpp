@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/stages/input_parts.hpp"
 
@@ -58,7 +59,7 @@ std::vector<CaseSection> sections_of(Case& c) {
                "What makes the first mesh; delaunay also of surfaces and with sizes");
   first.number("edge_length", c.edge_length_mm, above(0), "Edges on surfaces of the first mesh")
       .in("mm")
-      .zero("2.5 voxels");
+      .zero(usual_edge_text());
   describe_cells_per_diameter(first, c.cells_per_diameter);
   const auto add = [&](std::string name, std::string meaning, auto& described) {
     sections.push_back({std::move(name), std::move(meaning), options_of(described)});

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/operators/terms.hpp"
 #include "lumesh/parallel/team_options.hpp"
 
@@ -73,7 +74,8 @@ struct AdaptReport {
 struct BoundaryOptions {
   bool is_frozen = false;                    ///< Keeps every vertex and triangle of the boundary.
   std::vector<PatchId> frozen_patches = {};  ///< Keeps these alone, with the curves they end in.
-  double feature_angle_deg = 40;             ///< Angle above which bent patches keep their creases, 1 to 180.
+  double feature_angle_deg =
+      kUsualFeatureAngleDeg;  ///< Angle above which bent patches keep their creases, 1 to 180.
   /// What curved patches follow, where they lie near its boundary; null: the smooth surface of the mesh
   /// itself.
   std::shared_ptr<const ImageDomain> image = nullptr;

@@ -26,8 +26,8 @@ class Sizing;
 /// Options of mesh_delaunay(); describe() says what those mean that are not commented here.
 struct DelaunayOptions {
   double delta_mm = 0;             ///< 0: such that edges of surfaces have edge_length_mm.
-  double edge_length_mm = 0;       ///< 0: 2.5 times the domain's resolution.
-  double size_mm = 0;              ///< 0: that of the surface, 1.3 delta.
+  double edge_length_mm = 0;       ///< 0: the usual one, by the domain's resolution.
+  double size_mm = 0;              ///< 0: that of the surface.
   double surface_distance_mm = 0;  ///< 0: delta alone says how close points stand.
   double radius_edge = 2;
   double facet_angle_deg = 30;

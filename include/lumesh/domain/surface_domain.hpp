@@ -19,15 +19,19 @@ struct SurfaceView {
   std::span<const std::int32_t> patches{};  ///< One per triangle, or none.
   /// Name and kind of the patches; may have fewer. Openings without a name are numbered with the flat ends.
   std::span<const Patch> patch_info{};
-  /// Resolution of the domain; 0: half the mean length of the edges, at most 1/128 of the box's diagonal.
+  /// Resolution of the domain; 0: by the mean length of the edges and the box's diagonal.
   double resolution_mm = 0;
 };
 
 class OptionList;
 
+/// Angle between triangles above which an edge is sharp, where none is given.
+inline constexpr double kUsualFeatureAngleDeg = 40;
+
 struct SurfaceDomainOptions {
-  double feature_angle_deg = 40;  ///< Edges whose triangles' normals differ by more are kept; (0, 180].
-  bool keep_vertices = false;     ///< The surface's vertices are fixed_points().
+  double feature_angle_deg =
+      kUsualFeatureAngleDeg;   ///< Edges whose triangles' normals differ by more are kept; (0, 180].
+  bool keep_vertices = false;  ///< The surface's vertices are fixed_points().
 
   void describe(OptionList& list);
   void validate() const;  ///< Throws Error{kUsage}, naming the field.

@@ -18,7 +18,7 @@ class OptionList;
 
 /// Options of mesh_lattice(); describe() says what each means and which values it takes.
 struct LatticeOptions {
-  double spacing_mm = 0;  ///< 0: 2.5 voxels.
+  double spacing_mm = 0;  ///< 0: the usual one.
   double fidelity = 0.5;
   /// The fidelity at which so many edges go along the diameter of a vessel.
   [[nodiscard]] static double fidelity_of_cells(double cells_per_diameter) {

@@ -10,8 +10,7 @@
 namespace lumesh::fitting {
 
 struct FitOptions {
-  double min_dihedral_deg = 15;
-  double max_dihedral_deg = 150;
+  double min_dihedral_deg = 0, max_dihedral_deg = 180;  ///< Limits of dihedral angles; these are none.
   std::vector<Probe> probes;  ///< Points of the domain's boundary that the surface shall come close to.
 };
 

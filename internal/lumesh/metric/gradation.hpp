@@ -5,8 +5,11 @@
 
 namespace lumesh::metric {
 
+/// Growth where none is given.
+inline constexpr double kUsualGrowth = 1.5;
+
 struct GradationOptions {
-  double growth = 1.5;  ///< Of sizes from one edge of unit length to the next, > 1.
+  double growth = kUsualGrowth;  ///< Of sizes from one edge of unit length to the next, > 1.
   double physical_share =
       0.125;                ///< 0: ellipsoids grow as a whole and stay as stretched as they are; 1: every
                             ///< axis grows for itself, so that far away they become round. In [0, 1].

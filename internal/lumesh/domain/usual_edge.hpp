@@ -1,0 +1,26 @@
+#pragma once
+/// @file Lengths where none is given: edges of first meshes, and the resolution of surfaces.
+
+#include <fmt/core.h>
+
+#include <string>
+
+namespace lumesh {
+
+/// Edges on surfaces in units of the domain's resolution, which is a voxel of an image.
+inline constexpr double kUsualEdge = 2.5;
+/// Resolution of a surface that does not say it: this share of its mean edge, but at most the box's diagonal
+/// over so many.
+inline constexpr double kResolutionPerEdge = 0.5, kResolutionsPerDiagonal = 128;
+
+/// "2.5 voxels".
+[[nodiscard]] inline std::string usual_edge_text() {
+  return fmt::format("{:g} voxels", kUsualEdge);
+}
+/// That of surfaces: "1.25 of its mean edges, at most 1/51 of its diagonal".
+[[nodiscard]] inline std::string usual_edge_of_surface_text() {
+  return fmt::format("{:g} of its mean edges, at most 1/{:.0f} of its diagonal",
+                     kUsualEdge * kResolutionPerEdge, kResolutionsPerDiagonal / kUsualEdge);
+}
+
+}  // namespace lumesh
