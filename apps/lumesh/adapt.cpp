@@ -63,9 +63,8 @@ void add_adapt_command(CLI::App& program) {
   request.describe_metric(metric);
   add_options(*sub, metric);
   add_keep_option(*sub, request.keep);
-  sub->add_option("--image", request.image,
-                  with_formats("Image that the mesh was made of", FileUse::kReadImage) +
-                      ": the surface follows its boundary instead of the mesh's own surface");
+  add_image_option(*sub, request.image,
+                   ": the surface follows its boundary instead of the mesh's own surface");
   add_options(*sub, options_of(request.selection), "", {"all_frames"});
   add_options_of(*sub, request.cuts);
   add_options_of(*sub, request.stage);

@@ -13,6 +13,7 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_parts.hpp"
+#include "lumesh/stages/run_options.hpp"
 #include "option_adapter.hpp"
 #include "program.hpp"
 
@@ -76,15 +77,9 @@ Making RunOptions::making() const {
 }
 
 void finish_options(CLI::App& app, RunOptions& options, const std::string& footer, bool has_threads) {
-  if (has_threads)
-    app.add_option("--threads,--nthreads", options.threads, "Threads; 0 = all cores")
-        ->check(CLI::Range(0, 4096))
-        ->capture_default_str();
   OptionList list;
-  list.number("time_limit", options.time_limit_s, above(0),
-              "Stop then, with exit code 4; adapt, delaunay, improve and run write the best mesh so far")
-      .in("s")
-      .zero("none", std::numeric_limits<double>::infinity());
+  if (has_threads) describe_threads(list, options.threads).alias("nthreads");
+  describe_time_limit(list, options.time_limit_s);
   add_options(app, list);
   CLI::Option* const verbose =
       app.add_flag("-v,--verbose", options.verbose, "Say on stderr when each step ends, and its time");
@@ -164,12 +159,17 @@ std::string with_formats(const std::string& text, FileUse use) {
   return text + " (" + formats_for(use) + ")";
 }
 
-void add_mesh_argument(CLI::App& command, std::string& path, const std::string& name) {
-  command.add_option(name, path, with_formats("Mesh to read", FileUse::kReadVolume))->required();
+void add_mesh_argument(CLI::App& command, std::string& path, const std::string& name, FileUse use) {
+  command.add_option(name, path, with_formats("Mesh to read", use))->required();
+}
+
+CLI::Option* add_image_option(CLI::App& command, std::string& path, const std::string& role) {
+  return command.add_option(
+      "--image", path, with_formats("Label image that the mesh was made of", FileUse::kReadImage) + role);
 }
 
 void add_mesh_output(CLI::App& command, std::string& path) {
-  command.add_option("-o,--output", path, with_formats("Mesh to write", FileUse::kWriteVolume))->required();
+  command.add_option("-o,--output", path, with_formats(kMeshToWrite, FileUse::kWriteVolume))->required();
 }
 
 void add_surface_output(CLI::App& command, std::string& path) {
@@ -191,12 +191,9 @@ void add_out_unit_option(CLI::App& command, std::string& unit) {
 }
 
 void add_name_option(CLI::App& command, std::vector<std::string>& names) {
-  command
-      .add_option(
-          "--name", names,
-          "PATCH=NAME, such as outlet_2=left_ica, X,Y,Z=NAME for the opening near a place in mm, "
-          "AREAmm2=NAME for the one of about that area; NAME:KIND says what it is: inlet, outlet, wall or "
-          "symmetry; may be repeated; lumesh info lists the openings of an image")
+  OptionList list;
+  describe_names(list, names);
+  command.add_option("--name", names, meaning_of(list, "names") + "; may be repeated")
       ->allow_extra_args(false)
       ->check([](const std::string& text) {
         try {

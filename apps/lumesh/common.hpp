@@ -26,6 +26,8 @@ class Program;
 /// Text of help with the formats of its files: "Mesh to read (.vtu, .vtk)".
 [[nodiscard]] std::string with_formats(const std::string& text, FileUse use);
 
+/// Help of a mesh that is written.
+inline constexpr const char* kMeshToWrite = "Mesh to write";
 /// Help of --report where it shows what was done.
 inline constexpr const char* kReportHelp = "Write it as a page with pictures (.html)";
 
@@ -112,9 +114,12 @@ void say(const RunOptions& options, fmt::format_string<Args...> format, Args&&..
 /// One warning line on stderr.
 void print_warning(std::string_view text);
 
-/// The positional argument of a command that reads a volume mesh, -o of one that writes one, and --surface of
-/// one that can write its boundary, too.
-void add_mesh_argument(CLI::App& command, std::string& path, const std::string& name = "mesh");
+/// The positional argument of a command that reads a mesh, -o of one that writes a volume mesh, and --surface
+/// of one that can write its boundary, too.
+void add_mesh_argument(CLI::App& command, std::string& path, const std::string& name = "mesh",
+                       FileUse use = FileUse::kReadVolume);
+/// --image, of commands for meshes. @param role  What it is for, at the end of the help.
+CLI::Option* add_image_option(CLI::App& command, std::string& path, const std::string& role);
 void add_mesh_output(CLI::App& command, std::string& path);
 void add_surface_output(CLI::App& command, std::string& path);
 /// --unit and --out-unit.

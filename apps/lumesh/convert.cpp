@@ -39,9 +39,9 @@ void add_convert_command(CLI::App& program) {
   ConversionRequest& request = command->request;
   MeshOutput& output = request.output;
   CLI::App* sub = program.add_subcommand("convert", "Convert a mesh between file formats");
-  sub->add_option("from", request.from, with_formats("Mesh to read", FileUse::kRead))->required();
+  add_mesh_argument(*sub, request.from, "from", FileUse::kRead);
   sub->add_option("to,-o,--output", output.mesh,
-                  with_formats("Mesh to write", FileUse::kWrite) + ", as second name or with -o");
+                  with_formats(kMeshToWrite, FileUse::kWrite) + ", as second name or with -o");
   add_options_of(*sub, request);
   add_json_option(*sub, command->json_path, command->run, "counts and patches");
   finish_command(*sub, command, "Example: lumesh convert case1.vtu case1.msh --msh-version 2.2", false);

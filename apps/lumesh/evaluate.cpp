@@ -6,6 +6,7 @@
 #include "lumesh/report/stage_pages.hpp"
 #include "lumesh/report/summary.hpp"
 #include "lumesh/stages/evaluation_stage.hpp"
+#include "lumesh/stages/run_options.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -53,8 +54,8 @@ void add_evaluate_command(CLI::App& program) {
   const auto command = std::make_shared<EvaluateCommand>();
   CLI::App* sub = program.add_subcommand("evaluate", "Measure a mesh, by itself and against its image");
   EvaluationRequest& request = command->request;
-  sub->add_option("mesh", command->mesh_path, with_formats("Mesh", FileUse::kReadVolume))->required();
-  sub->add_option("--image", request.image, "Label image the mesh was made from");
+  add_mesh_argument(*sub, command->mesh_path);
+  add_image_option(*sub, request.image, ": the mesh is measured against it");
   add_options(*sub, options_of(request.selection), "", {"all_frames"});
   add_unit_option(*sub, request.selection.unit);
   sub->get_option("--unit")->needs("--image");
@@ -65,7 +66,9 @@ void add_evaluate_command(CLI::App& program) {
                   with_formats("Axes of the vessels or none; default: found in the image", FileUse::kLines));
   sub->add_option("--reference", request.reference, "Parameters of the phantom behind the image (.json)");
   add_json_option(*sub, command->json_path, command->run, "all numbers");
-  sub->add_option("--report", command->report_path, "Write a report with plots and pictures (.html)");
+  OptionList report;
+  describe_report(report, command->report_path);
+  add_options(*sub, report);
   sub->add_option("--picture", command->picture_path, "Write a picture of the surface (.png)");
   sub->add_option("--require-dihedral", request.required_dihedral_deg,
                   "Exit with 3 unless every dihedral angle lies between these two, degrees")

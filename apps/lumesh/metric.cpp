@@ -46,8 +46,7 @@ void add_metric_command(CLI::App& program) {
                       with_formats(", or the metric alone", FileUse::kMetricAlone))
       ->required();
   add_options_of(*sub, request.metric);
-  sub->add_option("--image", request.image,
-                  "Label image the mesh was made of, whose boundary's curvature is taken instead");
+  add_image_option(*sub, request.image, ": the curvature is that of its boundary");
   add_options(*sub, options_of(request.selection), "", {"all_frames"});
   add_keep_option(*sub, request.keep);
   add_json_option(*sub, command->json_path, command->run, "counts, complexity and times");

@@ -7,6 +7,7 @@
 #include "frames.hpp"
 #include "long_run.hpp"
 #include "lumesh/pipeline/pipeline.hpp"
+#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -34,7 +35,7 @@ Case case_of(const RunCommand& command) {
 void run(const RunCommand& command, const Case& c, const std::string& json_path) {
   RunOptions options = command.run;
   options.threads = c.run.threads;
-  if (c.run.time_limit_s > 0) options.time_limit_s = c.run.time_limit_s;
+  options.time_limit_s = c.run.time_limit_s;
   CommandRun session(options);
   session.context.report_info_to([&](std::string_view line) {
     say(command.run, "{}\n", line);
@@ -63,13 +64,14 @@ void add_run_command(CLI::App& program) {
   CLI::App* sub =
       program.add_subcommand("run", "Run a whole case: from the image to the adapted mesh and its report");
   sub->add_option("case", command->case_path, "Case file (.toml)")->required();
-  sub->add_option("-o,--output", command->folder, "Folder for all files; default: the case's name");
+  Case keys;
+  sub->add_option("-o,--output", command->folder, meaning_of(options_of(keys.output), "folder"));
   sub->add_option("--set", command->settings, "SECTION.KEY=VALUE, such as metric.k=30; may be repeated")
       ->allow_extra_args(false);
   CLI::Option* const dry = sub->add_flag(
       "--dry-run", command->only_predicts,
       "Say what would be done, and about how many elements, how long and how much memory it takes");
-  sub->add_flag("--checkpoints", command->keeps_checkpoints, "Keep what every stage leaves, for --resume");
+  sub->add_flag("--checkpoints", command->keeps_checkpoints, meaning_of(options_of(keys.run), "checkpoints"));
   sub->add_flag("--resume", command->resumes,
                 "Take stages from checkpoints whose input and settings are the same; keeps checkpoints, too")
       ->excludes(dry);

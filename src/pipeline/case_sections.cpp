@@ -5,6 +5,7 @@
 #include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/stages/input_parts.hpp"
+#include "lumesh/stages/run_options.hpp"
 
 namespace lumesh {
 
@@ -26,11 +27,7 @@ void CenterlineKeys::describe(OptionList& list) {
 }
 
 void OpeningKeys::describe(OptionList& list) {
-  list.texts("names", names,
-             "PATCH=NAME, such as outlet_2=left_ica, X,Y,Z=NAME for the opening near a place in mm, "
-             "AREAmm2=NAME for "
-             "the one of about that area; NAME:KIND makes it an inlet, outlet, wall or symmetry")
-      .alias("name");
+  describe_names(list, names);
 }
 
 void OutputKeys::describe(OptionList& list) {
@@ -39,16 +36,14 @@ void OutputKeys::describe(OptionList& list) {
   list.text("surface", surface, "The boundary of the last mesh; none: not written")
       .of_files(FileUse::kWriteSurface);
   describe_out_unit(list, unit);
-  list.text("report", report, "Report with plots and pictures (.html); none: not written");
+  describe_report(list, report);
   list.text("json", json, "All numbers (.json); none: not written");
   list.flag("stages", stages, "Write the centerline and the first mesh with its metric, too");
 }
 
 void RunKeys::describe(OptionList& list) {
-  list.number("threads", threads, between(0, 4096), "Threads; 0: all cores");
-  list.number("time_limit", time_limit_s, above(0), "Time after which the best mesh so far is written")
-      .in("s")
-      .zero("none");
+  describe_threads(list, threads);
+  describe_time_limit(list, time_limit_s);
   list.flag("checkpoints", checkpoints, "Keep what every stage leaves, for `lumesh run --resume`");
 }
 

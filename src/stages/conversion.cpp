@@ -39,9 +39,7 @@ void ConversionRequest::describe(OptionList& list) {
   describe_surface_output(list, output.surface);
   output.options.describe(list);
   describe_unit(list, unit);
-  list.choice("out_unit", output.unit,
-              {{"file", std::string()}, {"mm", "mm"}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}},
-              "Unit of lengths in what is written; file: as they are; OpenFOAM gets metres in any case");
+  describe_out_unit(list, output.unit, true);
 }
 
 MixedMesh convert_mesh(const ConversionRequest& request, Context& context) {

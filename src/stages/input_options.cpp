@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <utility>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
@@ -41,6 +42,14 @@ std::vector<std::vector<double>> threshold_rows(const std::optional<double>& low
                                                 const std::optional<double>& high) {
   if (!low) return {};
   return {high ? std::vector<double>{*low, *high} : std::vector<double>{*low}};
+}
+
+/// Words of units. @param has_file  And of that which a file says.
+std::vector<std::pair<std::string, std::string>> units(bool has_file) {
+  std::vector<std::pair<std::string, std::string>> words = {
+      {"mm", "mm"}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}};
+  if (has_file) words.insert(words.begin(), {"file", ""});
+  return words;
 }
 
 }  // namespace
@@ -144,13 +153,14 @@ void ImageSelection::describe(OptionList& list, bool has_probabilities) {
 }
 
 void describe_unit(OptionList& list, std::string& unit) {
-  list.choice("unit", unit, {{"file", std::string()}, {"mm", "mm"}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}},
+  list.choice("unit", unit, units(true),
               "Unit of lengths in the input, whatever it says itself; file: as it says, else mm");
 }
 
-void describe_out_unit(OptionList& list, std::string& unit) {
-  list.choice("out_unit", unit, {{"mm", std::string("mm")}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}},
-              "Unit of lengths in files that are written; OpenFOAM gets metres in any case");
+void describe_out_unit(OptionList& list, std::string& unit, bool may_stay) {
+  list.choice("out_unit", unit, units(may_stay),
+              fmt::format("Unit of lengths in files that are written; {}OpenFOAM gets metres in any case",
+                          may_stay ? "file: as they are; " : ""));
 }
 
 void describe_planes(OptionList& list, std::vector<CutPlane>& planes) {

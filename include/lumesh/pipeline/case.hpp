@@ -2,6 +2,7 @@
 /// @file A case: everything that one run of the pipeline is told, as a TOML file says it.
 
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,8 +61,8 @@ struct OutputKeys {
 };
 
 struct RunKeys {
-  int threads = 0;          ///< 0: all cores.
-  double time_limit_s = 0;  ///< 0: none.
+  int threads = 0;                                                ///< 0: all cores.
+  double time_limit_s = std::numeric_limits<double>::infinity();  ///< Infinite: none.
   bool checkpoints = false;
 
   void describe(OptionList& list);

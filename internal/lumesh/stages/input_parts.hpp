@@ -20,9 +20,10 @@ namespace lumesh {
 
 class OptionList;
 
-/// The unit of lengths in a file that is read, and in one that is written.
+/// The unit of lengths in a file that is read, and in one that is written. @param may_stay  Or that of the
+/// file that is read.
 void describe_unit(OptionList& list, std::string& unit);
-void describe_out_unit(OptionList& list, std::string& unit);
+void describe_out_unit(OptionList& list, std::string& unit, bool may_stay = false);
 
 /// Changes that the selection asks for of voxels that are there, each with a warning that says how many.
 void edit_image(const ImageSelection& selection, Context& context, LabelImage& image);
