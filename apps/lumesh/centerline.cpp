@@ -31,8 +31,7 @@ void check(CenterlineCommand& command) {
     require_not_given(given, options_of(request.selection),
                       fmt::format("is for images, and {} is a mesh", request.path));
   } else {
-    require_not_given(given, options_of(request.surface),
-                      fmt::format("is for surfaces, and {} is an image", request.path));
+    require_not_given(given, options_of(request.surface), only_for_surfaces(request.path));
     if (given.get_option("--voxel")->count() > 0)
       throw Error(ErrorKind::kUsage,
                   fmt::format("--voxel is for meshes, and {} is an image; leave it out", request.path));

@@ -178,6 +178,12 @@ void add_surface_output(CLI::App& command, std::string& path) {
   add_options(command, list);
 }
 
+void add_report_option(CLI::App& command, std::string& path) {
+  OptionList list;
+  describe_report(list, path);
+  add_options(command, list);
+}
+
 void add_unit_option(CLI::App& command, std::string& unit) {
   OptionList list;
   describe_unit(list, unit);
@@ -193,7 +199,7 @@ void add_out_unit_option(CLI::App& command, std::string& unit) {
 void add_name_option(CLI::App& command, std::vector<std::string>& names) {
   OptionList list;
   describe_names(list, names);
-  command.add_option("--name", names, meaning_of(list, "names") + "; may be repeated")
+  command.add_option("--name", names, list.all().front().meaning + "; may be repeated")
       ->allow_extra_args(false)
       ->check([](const std::string& text) {
         try {

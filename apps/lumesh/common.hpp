@@ -4,15 +4,18 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <initializer_list>
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lumesh/core/context.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/command_notes.hpp"
 #include "lumesh/stages/input.hpp"
@@ -26,8 +29,20 @@ class Program;
 /// Text of help with the formats of its files: "Mesh to read (.vtu, .vtk)".
 [[nodiscard]] std::string with_formats(const std::string& text, FileUse use);
 
+/// Why an option of surfaces is refused.
+[[nodiscard]] inline std::string only_for_surfaces(const std::string& image) {
+  return fmt::format("is for surfaces, and {} is an image", image);
+}
+
 /// Help of a mesh that is written.
 inline constexpr const char* kMeshToWrite = "Mesh to write";
+/// Help of an option with flags of its own that does what the option of this name does.
+template <class Described>
+[[nodiscard]] std::string meaning_of(Described described, std::string_view name) {
+  const OptionList list = options_of(described);
+  return std::ranges::find(list.all(), name, &Option::name)->meaning;
+}
+
 /// Help of --report where it shows what was done.
 inline constexpr const char* kReportHelp = "Write it as a page with pictures (.html)";
 
@@ -122,7 +137,8 @@ void add_mesh_argument(CLI::App& command, std::string& path, const std::string& 
 CLI::Option* add_image_option(CLI::App& command, std::string& path, const std::string& role);
 void add_mesh_output(CLI::App& command, std::string& path);
 void add_surface_output(CLI::App& command, std::string& path);
-/// --unit and --out-unit.
+/// --report, of commands that measure a whole mesh, --unit and --out-unit.
+void add_report_option(CLI::App& command, std::string& path);
 void add_unit_option(CLI::App& command, std::string& unit);
 void add_out_unit_option(CLI::App& command, std::string& unit);
 

@@ -24,9 +24,8 @@ void check_domain_options(const CLI::App& command, DomainInput& input) {
   input.surface.validate();
   input.cuts.validate();
   input.is_surface = is_mesh_file(input.path);
-  const std::string reason = input.is_surface
-                                 ? fmt::format("is for images, and {} is a surface", input.path)
-                                 : fmt::format("is for surfaces, and {} is an image", input.path);
+  const std::string reason = input.is_surface ? fmt::format("is for images, and {} is a surface", input.path)
+                                              : only_for_surfaces(input.path);
   if (!input.is_surface) return require_not_given(command, options_of(input.surface), reason);
   require_not_given(command, options_of(input.selection), reason);
   require_not_given(command, options_of(input.field), reason);

@@ -6,7 +6,6 @@
 #include "lumesh/report/stage_pages.hpp"
 #include "lumesh/report/summary.hpp"
 #include "lumesh/stages/evaluation_stage.hpp"
-#include "lumesh/stages/run_options.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -66,9 +65,7 @@ void add_evaluate_command(CLI::App& program) {
                   with_formats("Axes of the vessels or none; default: found in the image", FileUse::kLines));
   sub->add_option("--reference", request.reference, "Parameters of the phantom behind the image (.json)");
   add_json_option(*sub, command->json_path, command->run, "all numbers");
-  OptionList report;
-  describe_report(report, command->report_path);
-  add_options(*sub, report);
+  add_report_option(*sub, command->report_path);
   sub->add_option("--picture", command->picture_path, "Write a picture of the surface (.png)");
   sub->add_option("--require-dihedral", request.required_dihedral_deg,
                   "Exit with 3 unless every dihedral angle lies between these two, degrees")

@@ -43,14 +43,14 @@ std::string LongRun::reason(bool complete) const {
   return complete ? "" : program_.reason_of_stop();
 }
 
-void LongRun::check_complete(bool complete, const std::string& what_is_left) const {
-  if (!complete) throw Error(ErrorKind::kTimeLimit, reason(complete) + what_is_left);
+void LongRun::check_complete(bool complete, const std::string& path) const {
+  if (!complete) throw Error(ErrorKind::kTimeLimit, reason(complete) + path + " holds the best mesh so far");
 }
 
 void LongRun::require_sound(const std::string& path, const MeshView& mesh, Context& context, bool complete,
                             const MeshView* made_from) const {
   lumesh::require_sound(path, mesh, context, reason(complete), made_from);
-  check_complete(complete, path + " holds the best mesh so far");
+  check_complete(complete, path);
 }
 
 }  // namespace lumesh::cli

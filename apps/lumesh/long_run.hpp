@@ -18,8 +18,8 @@ class LongRun {
 
   /// Why a run is not complete, for the beginning of a line; empty if it is.
   [[nodiscard]] std::string reason(bool complete) const;
-  /// @throws Error{kTimeLimit} if the run was told to stop; `what_is_left` says what the user has now.
-  void check_complete(bool complete, const std::string& what_is_left) const;
+  /// @throws Error{kTimeLimit} if the run was told to stop; the best mesh so far is at `path`.
+  void check_complete(bool complete, const std::string& path) const;
   /// lumesh::require_sound() of the mesh that was written, then this.
   void require_sound(const std::string& path, const MeshView& mesh, Context& context, bool complete,
                      const MeshView* made_from = nullptr) const;

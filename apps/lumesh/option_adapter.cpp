@@ -264,10 +264,6 @@ void add_options(CLI::App& command, const OptionList& list, const std::string& g
   }
 }
 
-std::string meaning_of(const OptionList& list, std::string_view name) {
-  return std::ranges::find(list.all(), name, &Option::name)->meaning;
-}
-
 void require_not_given(const CLI::App& command, const OptionList& list, const std::string& reason) {
   for (const Option& option : list.all()) {
     const CLI::Option* const flag = command.get_option_no_throw(flag_of(option.name));

@@ -26,9 +26,6 @@ void add_options_of(CLI::App& command, Described& described) {
   add_options(command, options_of(described));
 }
 
-/// The help of an option with flags of its own that does what one of this name in the list does.
-[[nodiscard]] std::string meaning_of(const OptionList& list, std::string_view name);
-
 /// @throws Error{kUsage} "--NAME REASON; leave it out" for an option of the list that the command line gives.
 void require_not_given(const CLI::App& command, const OptionList& list, const std::string& reason);
 

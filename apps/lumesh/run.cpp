@@ -7,7 +7,6 @@
 #include "frames.hpp"
 #include "long_run.hpp"
 #include "lumesh/pipeline/pipeline.hpp"
-#include "option_adapter.hpp"
 
 namespace lumesh::cli {
 
@@ -47,7 +46,7 @@ void run(const RunCommand& command, const Case& c, const std::string& json_path)
   say(command.run, "{}", result.text());
   write_json(json_path, report::case_report_json(result.report));
   result.require_good(long_run.reason(result.complete));
-  long_run.check_complete(result.complete, result.folder + " holds the best mesh so far");
+  long_run.check_complete(result.complete, result.folder);
 }
 
 void run(const RunCommand& command) {
@@ -64,14 +63,13 @@ void add_run_command(CLI::App& program) {
   CLI::App* sub =
       program.add_subcommand("run", "Run a whole case: from the image to the adapted mesh and its report");
   sub->add_option("case", command->case_path, "Case file (.toml)")->required();
-  Case keys;
-  sub->add_option("-o,--output", command->folder, meaning_of(options_of(keys.output), "folder"));
+  sub->add_option("-o,--output", command->folder, meaning_of(OutputKeys(), "folder"));
   sub->add_option("--set", command->settings, "SECTION.KEY=VALUE, such as metric.k=30; may be repeated")
       ->allow_extra_args(false);
   CLI::Option* const dry = sub->add_flag(
       "--dry-run", command->only_predicts,
       "Say what would be done, and about how many elements, how long and how much memory it takes");
-  sub->add_flag("--checkpoints", command->keeps_checkpoints, meaning_of(options_of(keys.run), "checkpoints"));
+  sub->add_flag("--checkpoints", command->keeps_checkpoints, meaning_of(RunKeys(), "checkpoints"));
   sub->add_flag("--resume", command->resumes,
                 "Take stages from checkpoints whose input and settings are the same; keeps checkpoints, too")
       ->excludes(dry);

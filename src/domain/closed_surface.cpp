@@ -24,7 +24,7 @@ namespace {
 }
 
 void check_arrays(const SurfaceView& surface) {
-  if (surface.triangles.empty()) throw_bad_surface("the surface has no triangles");
+  require_triangles(surface.triangles);
   if (!surface.patches.empty() && surface.patches.size() != surface.triangles.size())
     throw_bad_surface("the surface has " + std::to_string(surface.triangles.size()) + " triangles but " +
                       std::to_string(surface.patches.size()) + " patch numbers");

@@ -105,12 +105,7 @@ class VesselCut {
     const double of_vessel = std::numbers::pi * radius_mm * radius_mm;
     const double area = section_mm2(), of_voxel = frame_.voxel_volume_mm3() / layer_mm_;
     if (area > max_widening * of_vessel + 4 * of_voxel)
-      throw Error(
-          ErrorKind::kBadInput,
-          fmt::format(
-              "{} has a section of {:.3g} mm² across its axis, {:.1f} times that of its radius there, "
-              "{:.3g} mm: it forks or bulges; cut elsewhere, or give a plane with `cut_plane`",
-              vessel_text(), area, area / of_vessel, radius_mm));
+      throw Error(ErrorKind::kBadInput, wide_section_text(vessel_text(), area, of_vessel, radius_mm));
     const Index3 last = frame_.size - Index3::Ones();
     for (const Index3& v : section_)
       if ((v.array() == 0).any() || (v.array() == last.array()).any())
@@ -141,12 +136,7 @@ class VesselCut {
       for_each_neighbour(at, [&](const Index3& v) {
         const bool is_cut = is_in_section_[frame_.offset(at)] || is_in_section_[frame_.offset(v)];
         if (part(v) == side || (is_cut && side_of(at) != side_of(v))) return;
-        if (part(v) != Side::kNone)
-          throw Error(
-              ErrorKind::kBadInput,
-              vessel_text() +
-                  " is part of a loop, which a cut there leaves in one piece; give a plane that cuts both "
-                  "arms with `cut_plane`");
+        if (part(v) != Side::kNone) throw Error(ErrorKind::kBadInput, loop_text(vessel_text()));
         part(v) = side;
         voxels.push_back(v);
       });

@@ -133,7 +133,7 @@ bool visit_cells(MixedMesh& mesh, std::int64_t vtk_type, Visit&& visit) {
 /// @param corners  Numbers of a file, below `points` each, or the file is at fault.
 template <std::size_t N, class Number>
 Cell<N> vtk_cell(const std::filesystem::path& path, std::span<const Number> corners, std::size_t points) {
-  if (corners.size() != N) fail(path, "a cell has a wrong number of corners");
+  if (corners.size() != N) fail(path, kWrongCorners);
   Cell<N> cell;
   for (std::size_t i = 0; i < N; ++i) {
     if (!(corners[i] >= 0 && corners[i] < static_cast<Number>(points)))
@@ -164,8 +164,7 @@ void take_vtk_faces(const std::filesystem::path& path, const std::vector<Number>
   faces.clear();
   tags.clear();
   for (std::size_t f = 0; f < patches.size(); ++f) {
-    if (!(patches[f] >= 0 && patches[f] < static_cast<Number>(patch_end)))
-      fail(path, "a boundary face has no valid patch");
+    if (!(patches[f] >= 0 && patches[f] < static_cast<Number>(patch_end))) fail(path, kNoPatch);
     faces.push_back(vtk_cell<N>(path, std::span<const Number>(corners).subspan(N * f, N), points));
     tags.push_back(static_cast<std::int32_t>(patches[f]));
   }

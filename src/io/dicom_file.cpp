@@ -107,7 +107,7 @@ class Walk {
   bool begin() {
     constexpr std::uint64_t kPreamble = 128;
     if (size_ < 8) return false;
-    if (!in_) fail(path_, "cannot be opened for reading; check its permissions");
+    if (!in_) fail(path_, kNoPermission);
     if (size_ >= kPreamble + 4) {
       go_to(kPreamble);
       const auto mark = take<4>();

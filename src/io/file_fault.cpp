@@ -10,6 +10,10 @@ void fail(const std::filesystem::path& path, std::string_view what, ErrorKind ki
   throw Error(kind, fmt::format("{}: {}", path.string(), what));
 }
 
+void fail_at_line(const std::filesystem::path& path, std::size_t line, std::string_view what) {
+  fail(path, fmt::format("line {}: {}; write the file again", line, what));
+}
+
 void check_file(const std::filesystem::path& path) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -17,8 +21,7 @@ void check_file(const std::filesystem::path& path) {
   if (!fs::exists(status)) fail(path, "no such file; check the path");
   if (fs::is_directory(status)) fail(path, "is a folder; give the name of a file");
   if (!fs::is_regular_file(status)) fail(path, "is not a regular file");
-  if (!std::ifstream(path, std::ios::binary))
-    fail(path, "cannot be opened for reading; check its permissions");
+  if (!std::ifstream(path, std::ios::binary)) fail(path, kNoPermission);
 }
 
 }  // namespace lumesh::io

@@ -110,8 +110,7 @@ std::size_t volume_count(const fs::path& path, const itk::ImageIOBase& io) {
   for (unsigned i = 3; i < io.GetNumberOfDimensions(); ++i)
     frames.push_back(static_cast<std::int64_t>(io.GetDimensions(i)));
   if (io.GetNumberOfComponents() > 1 && product_of_sizes(path, frames) > 1)
-    fail(path, fmt::format("has several volumes of {} values per voxel; save one of them",
-                           io.GetNumberOfComponents()));
+    fail(path, fmt::format(kVolumesOfVectors, io.GetNumberOfComponents()));
   frames.push_back(io.GetNumberOfComponents());
   return product_of_sizes(path, frames);
 }
@@ -121,7 +120,7 @@ ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
   io.SetFileName(path.string());
   io.ReadImageInformation();
   const unsigned dimensions = io.GetNumberOfDimensions();
-  if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
+  if (dimensions < 3) fail(path, fmt::format(kFlatImage, dimensions));
   ImageHeader header;
   header.volumes = volume_count(path, io);
   header.type = voxel_type(path, io);
@@ -178,7 +177,7 @@ void read_to_the_end(const fs::path& path, itk::ImageIOBase& io, std::byte* voxe
     io.Read(voxels);
     if (voxels[bytes - 1] != mark) return;
   }
-  fail(path, "is truncated: it holds fewer voxels than its header says; copy it again");
+  fail(path, kTruncated);
 }
 
 RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoice& choice, Context& context) {

@@ -126,7 +126,7 @@ std::vector<Label> keep_labels(const std::vector<Label>& present, std::vector<La
                                const fs::path& path) {
   sort_unique(wanted);
   for (const Label label : wanted) {
-    if (label <= 0) fail(path, fmt::format("label {} cannot be meshed; labels are positive", label));
+    if (label <= 0) fail(path, fmt::format(kNoMaterial, label));
     if (!std::ranges::binary_search(present, label))
       fail(path, fmt::format("no voxel has label {}; labels present: {}", label, list_labels(present)));
   }

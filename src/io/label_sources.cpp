@@ -212,8 +212,7 @@ void add_label_images(std::span<const LabelledFile> files, const ImageReadOption
                       const fs::path& path, Context& context, LabelImage& image) {
   std::vector<Label> labels(image.values().begin() + 1, image.values().end());
   for (const LabelledFile& file : files) {
-    if (file.label <= 0)
-      fail(file.path, fmt::format("label {} cannot be meshed; labels are positive", file.label));
+    if (file.label <= 0) fail(file.path, fmt::format(kNoMaterial, file.label));
     labels.push_back(file.label);
   }
   LabelSum sum(image.frame(), labels);

@@ -294,13 +294,11 @@ class LegacyReader {
     assemble_points();
     if (metric_components_)
       mesh_.metric = metric_from_vtk(path_, metric_, *metric_components_, mesh_.points.size());
-    if (!mesh_.sizes_mm.empty() && mesh_.sizes_mm.size() != mesh_.points.size())
-      fail("does not hold as many sizes as points");
+    if (!mesh_.sizes_mm.empty() && mesh_.sizes_mm.size() != mesh_.points.size()) fail(kFewSizes);
     if (offsets_.size() != types_.size() + 1) fail("does not hold as many cell types as cells");
     const std::vector<double>* labels = find_labels();
     for (std::size_t c = 0; c < types_.size(); ++c) {
-      if (offsets_[c] > offsets_[c + 1] || offsets_[c + 1] > connectivity_.size())
-        fail("its cell offsets are damaged");
+      if (offsets_[c] > offsets_[c + 1] || offsets_[c + 1] > connectivity_.size()) fail(kBadOffsets);
       const double label = labels == nullptr ? 1 : (*labels)[c];
       if (!(std::abs(label) < 2e9)) fail("a label is too large");
       const auto type = static_cast<std::int64_t>(whole(types_[c]));

@@ -62,7 +62,7 @@ class MeshBuilder {
   template <std::size_t N>
   void add(std::span<const std::int64_t> corners, std::int32_t tag, std::vector<Cell<N>>& cells,
            std::vector<std::int32_t>& tags) {
-    if (corners.size() != N) fail("a cell has a wrong number of corners");
+    if (corners.size() != N) fail(kWrongCorners);
     Cell<N> cell;
     for (std::size_t i = 0; i < N; ++i) {
       const std::int64_t corner = corners[N == kPrismOrder.size() ? kPrismOrder[i] : i];

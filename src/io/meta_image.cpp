@@ -109,7 +109,7 @@ std::size_t dimension_count(const fs::path& path, const MetaHeader& header) {
   constexpr std::int64_t kMax = 10;
   const std::int64_t dimensions = header.integer("NDims", 0);
   if (dimensions < 1 || dimensions > kMax) fail(path, "has a damaged header (NDims); save it again");
-  if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
+  if (dimensions < 3) fail(path, fmt::format(kFlatImage, dimensions));
   return static_cast<std::size_t>(dimensions);
 }
 
@@ -130,7 +130,7 @@ std::size_t volume_count(const fs::path& path, const MetaHeader& header) {
     sizes.push_back(std::abs(all[i]) < kMax ? static_cast<std::int64_t>(all[i]) : 0);
   }
   if (sizes.front() > 1 && product_of_sizes(path, {sizes.data() + 1, sizes.size() - 1}) > 1)
-    fail(path, fmt::format("has several volumes of {} values per voxel; save one of them", sizes.front()));
+    fail(path, fmt::format(kVolumesOfVectors, sizes.front()));
   return product_of_sizes(path, sizes);
 }
 
@@ -227,7 +227,7 @@ std::uintmax_t voxel_offset(const fs::path& path, const MetaHeader& header, cons
   if (stated > 0) offset = static_cast<std::uintmax_t>(stated);
   if (stated == -1) offset = source.file_bytes - std::min(source.file_bytes, bytes);
   if (offset > source.file_bytes || (!source.packed && source.file_bytes - offset < bytes))
-    fail(path, "is truncated: it holds fewer voxels than its header says; copy it again");
+    fail(path, kTruncated);
   return offset;
 }
 
@@ -263,8 +263,7 @@ RawImage read_meta_image(const fs::path& path, const FileChoice& choice, Context
     in.read(reinterpret_cast<char*>(image.voxels.get()), static_cast<std::streamsize>(bytes));
     got = static_cast<std::size_t>(in.gcount());
   }
-  if (got != bytes)
-    fail(path, "is truncated or damaged: it holds fewer voxels than its header says; copy it again");
+  if (got != bytes) fail(path, kDamagedVoxels);
   if (header.is_true({"BinaryDataByteOrderMSB", "ElementByteOrderMSB"})) swap_bytes(image);
   if (channel_count(path, header) > 1)
     sort_into_volumes(volumes, image);

@@ -108,7 +108,7 @@ std::array<std::int64_t, 3> volume_size(const fs::path& path, const NiftiHeader&
   const std::int64_t dimensions = header.dimension(0);
   if (dimensions < 1 || dimensions > 7)
     fail(path, "has a damaged header (number of dimensions); save it again");
-  if (dimensions < 3) fail(path, fmt::format("is a {}-D image; lumesh needs a 3-D one", dimensions));
+  if (dimensions < 3) fail(path, fmt::format(kFlatImage, dimensions));
   return {header.dimension(1), header.dimension(2), header.dimension(3)};
 }
 
@@ -290,8 +290,7 @@ RawImage read_nifti(const fs::path& path, const FileChoice& choice, Context& con
   skip_to(input, path, 0, header.data_offset());
   const std::size_t width = voxel_bytes(image.type), bytes = image.value_count() * width;
   skip(input, path, volumes.first * image.frame.voxel_count() * width);
-  if (input.read(image.voxels.get(), bytes) != bytes)
-    fail(path, "is truncated or damaged: it holds fewer voxels than its header says; copy it again");
+  if (input.read(image.voxels.get(), bytes) != bytes) fail(path, kDamagedVoxels);
   require_sound_rest(input, path);
   if (header.swapped()) swap_bytes(image);
   const double slope = header.slope();

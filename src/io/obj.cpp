@@ -38,9 +38,7 @@ class ObjReader {
   }
 
  private:
-  [[noreturn]] void fail_here(std::string_view what) const {
-    fail(path_, fmt::format("line {}: {}; write the file again", line_number_, what));
-  }
+  [[noreturn]] void fail_here(std::string_view what) const { fail_at_line(path_, line_number_, what); }
 
   /// Reads a line, joined with its continuations; a line that goes on ends in a backslash.
   bool next_line(std::string& line) {
@@ -76,7 +74,7 @@ class ObjReader {
     if (mesh_.info.patches.empty()) begin_group("");
     std::vector<std::uint32_t> corners;
     for (std::string word; words >> word && word[0] != '#';) corners.push_back(vertex(word));
-    if (corners.size() < 3) fail_here("a polygon has fewer than three corners");
+    if (corners.size() < 3) fail_here(kFewCorners);
     for (std::size_t i = 2; i < corners.size(); ++i) {
       mesh_.triangles.push_back({corners[0], corners[i - 1], corners[i]});
       mesh_.triangle_patches.push_back(group_);

@@ -42,9 +42,7 @@ class OffReader {
   }
 
  private:
-  [[noreturn]] void fail_here(std::string_view what) const {
-    fail(path_, fmt::format("line {}: {}; write the file again", line_number_, what));
-  }
+  [[noreturn]] void fail_here(std::string_view what) const { fail_at_line(path_, line_number_, what); }
 
   /// The next line that holds a word.
   void next_line() {
@@ -70,7 +68,7 @@ class OffReader {
     const std::int64_t size = integer("a polygon's number of corners");
     std::vector<std::int64_t> corners;
     for (std::int64_t k = 0; k < size; ++k) corners.push_back(integer("a corner"));
-    if (size < 3) fail_here("a polygon has fewer than three corners");
+    if (size < 3) fail_here(kFewCorners);
     if (size == 4) return builder_.add_cell(CellShape::kQuadrilateral, corners, 0);
     for (std::size_t k = 2; k < corners.size(); ++k)
       builder_.add_cell(CellShape::kTriangle, {{corners[0], corners[k - 1], corners[k]}}, 0);
@@ -95,7 +93,7 @@ void write_off(const std::filesystem::path& path, const MeshView& mesh) {
     faces += block.size();
     for (const std::uint32_t v : block.vertices) numbers.of(v);
   }
-  if (faces == 0) fail(path, "the mesh has no boundary faces to write");
+  if (faces == 0) fail(path, kNoFaces);
   OutputFile file(path);
   file.print("OFF\n# lumesh SPACE={} UNIT={}\n{} {} 0\n", mesh.info->frame, mesh.info->unit,
              numbers.points().size(), faces);

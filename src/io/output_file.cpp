@@ -44,7 +44,7 @@ OutputFile::OutputFile(const fs::path& target) : target_(link_target(target)) {
   const fs::file_status status = fs::status(target_, ignored);
   if (fs::is_directory(status)) fail("is a folder", 0);
   const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, ignored)) fail("its folder does not exist; create it first", 0);
+  if (!fs::is_directory(folder, ignored)) fail(kNoFolder, 0);
   // Renaming over /dev/null would replace the device.
   const bool direct = fs::exists(status) && !fs::is_regular_file(status);
   descriptor_ = direct ? ::open(target_.c_str(), O_WRONLY | O_CLOEXEC) : open_new(target_, temporary_);

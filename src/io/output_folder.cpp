@@ -27,8 +27,7 @@ fs::path free_name(const fs::path& target, const char* purpose) {
 
 OutputFolder::OutputFolder(const fs::path& target) : target_(link_target(target)) {
   std::error_code failed;
-  if (target_.has_parent_path() && !fs::is_directory(target_.parent_path(), failed))
-    fail(target_, "its folder does not exist; create it first");
+  if (target_.has_parent_path() && !fs::is_directory(target_.parent_path(), failed)) fail(target_, kNoFolder);
   temporary_ = free_name(target_, "part");
   if (!fs::create_directory(temporary_, failed))
     fail(target_, fmt::format("cannot be made ({})", failed.message()));

@@ -58,7 +58,7 @@ Polylines read_polylines(const std::filesystem::path& path) {
   Polylines lines;
   const std::vector<double> xyz =
       file.doubles(file.piece().child("Points").child("DataArray"), "point coordinates");
-  if (xyz.size() != 3 * file.count("NumberOfPoints")) file.fail("does not hold as many points as it says");
+  if (xyz.size() != 3 * file.count("NumberOfPoints")) file.fail(io::kFewPoints);
   for (std::size_t i = 0; i < xyz.size(); i += 3) lines.points.emplace_back(xyz[i], xyz[i + 1], xyz[i + 2]);
   const pugi::xml_node node = file.piece().child("Lines");
   const auto corners = file.integers(io::VtkXmlReader::find_array(node, "connectivity"), "line connectivity");

@@ -48,8 +48,7 @@ void write_volume(const fs::path& path, const MeshView& mesh) {
   VtkXmlWriter writer(path, "UnstructuredGrid");
   writer.print("<FieldData>\n");
   writer.info_arrays(*mesh.info);
-  writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.points.size(),
-               cells);
+  writer.begin_cells(mesh.points.size(), cells);
   writer.print("<PointData>\n");
   writer.numbers("GlobalNodeID", numbers_from_1(mesh.points.size()));
   writer.print("</PointData>\n<CellData>\n");
@@ -155,7 +154,7 @@ FaceGroups group_faces(const fs::path& path, const MeshView& mesh, const std::ve
     groups.surfaces[patch].push_back(t);
     if (patches[patch].kind == PatchKind::kWall) groups.walls.push_back(t);
   }
-  if (groups.exterior.empty()) fail(path, "the mesh has no boundary faces to write");
+  if (groups.exterior.empty()) fail(path, kNoFaces);
   return groups;
 }
 

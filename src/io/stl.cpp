@@ -131,7 +131,7 @@ MixedMesh parse_text(const std::filesystem::path& path, const std::string& text)
 
 void write_stl(const std::filesystem::path& path, const MeshView& mesh) {
   const std::size_t facets = mesh.triangles.size() + 2 * mesh.quadrilaterals.size();
-  if (facets == 0) fail(path, "the mesh has no boundary faces to write");
+  if (facets == 0) fail(path, kNoFaces);
   OutputFile file(path);
   std::array<char, kHeaderBytes> header{};
   std::strncpy(header.data(),

@@ -28,7 +28,7 @@ gzFile open_at(const std::filesystem::path& path, std::int64_t offset) {
 }  // namespace
 
 GzipInput::GzipInput(const std::filesystem::path& path, std::int64_t offset) : file_(open_at(path, offset)) {
-  if (file_ == nullptr) fail(path, "cannot be opened for reading; check the path");
+  if (file_ == nullptr) fail(path, kNotThere);
   constexpr unsigned kBufferBytes = 1U << 18U;
   ::gzbuffer(file_, kBufferBytes);
 }

@@ -62,7 +62,7 @@ bool parse_text(std::string_view text, std::vector<Value>& out) {
 
 VtkXmlReader::VtkXmlReader(const std::filesystem::path& path, std::string_view dataset_type) : path_(path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) fail("cannot be opened for reading; check the path");
+  if (!in) fail(kNotThere);
   content_.assign(std::istreambuf_iterator<char>(in), {});
   if (content_.empty()) fail("the file is empty; copy it again");
   split_appended();

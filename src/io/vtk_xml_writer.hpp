@@ -55,6 +55,10 @@ class VtkXmlWriter {
   void print(fmt::format_string<Args...> format, Args&&... args) {
     file_.print(format, std::forward<Args>(args)...);
   }
+  /// Ends the field data, and begins what holds the cells.
+  void begin_cells(std::size_t points, std::size_t cells) {
+    print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points, cells);
+  }
   /// Compresses blocks in parallel; memory: the compressed array.
   void array(const XmlArray& shape, const Fill& fill);
   /// The same of numbers that lie in memory as in the file.

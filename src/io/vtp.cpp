@@ -38,7 +38,7 @@ Surface gather_surface(const MeshView& mesh) {
 void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
                        const MeshWriteOptions& options) {
   const Surface surface = gather_surface(mesh);
-  if (surface.patches.empty()) fail(path, "the mesh has no boundary faces to write");
+  if (surface.patches.empty()) fail(path, kNoFaces);
   VtkXmlWriter writer(path, "PolyData");
   writer.print("<FieldData>\n");
   writer.info_arrays(*mesh.info);

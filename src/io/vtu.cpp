@@ -136,8 +136,7 @@ void write_vtu(const std::filesystem::path& path, const MeshView& mesh, const Me
   writer.print("<FieldData>\n");
   writer.info_arrays(*mesh.info);
   if (face_count(mesh) > 0) write_faces(writer, mesh);
-  writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.points.size(),
-               cells.cells());
+  writer.begin_cells(mesh.points.size(), cells.cells());
   write_metric_array(writer, mesh);
   writer.points(mesh.points);
   write_cells(writer, cells);

@@ -18,7 +18,7 @@ namespace {
 std::vector<Vec3> read_points(const VtkXmlReader& file) {
   const std::vector<double> values =
       file.doubles(file.piece().child("Points").child("DataArray"), "point coordinates");
-  if (values.size() != 3 * file.count("NumberOfPoints")) file.fail("does not hold as many points as it says");
+  if (values.size() != 3 * file.count("NumberOfPoints")) file.fail(kFewPoints);
   std::vector<Vec3> points(values.size() / 3);
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i] = Vec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
@@ -53,8 +53,7 @@ void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
   std::int64_t begin = 0;
   for (std::size_t c = 0; c < cells; ++c) {
     const std::int64_t end = offsets[c];
-    if (end < begin || end > static_cast<std::int64_t>(connectivity.size()))
-      file.fail("its cell offsets are damaged");
+    if (end < begin || end > static_cast<std::int64_t>(connectivity.size())) file.fail(kBadOffsets);
     add_vtk_cell<std::int64_t>(file.path(), types[c],
                                {connectivity.data() + begin, static_cast<std::size_t>(end - begin)},
                                static_cast<Label>(labels[c]), mesh);
@@ -65,7 +64,7 @@ void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
 constexpr std::int64_t kPatchEnd = 65'535;  // As many patches as meshes that change can have.
 
 std::int32_t checked_patch(const VtkXmlReader& file, std::int64_t patch) {
-  if (patch < 0 || patch >= kPatchEnd) file.fail("a boundary face has no valid patch");
+  if (patch < 0 || patch >= kPatchEnd) file.fail(kNoPatch);
   return static_cast<std::int32_t>(patch);
 }
 
@@ -108,7 +107,7 @@ std::vector<double> read_sizes(const VtkXmlReader& file, std::size_t points) {
   const pugi::xml_node array = VtkXmlReader::find_array(file.piece().child("PointData"), "size");
   if (!array || array.attribute("NumberOfComponents").as_uint(1) != 1) return {};
   std::vector<double> sizes = file.doubles(array, "size");
-  if (sizes.size() != points) file.fail("does not hold as many sizes as points");
+  if (sizes.size() != points) file.fail(kFewSizes);
   return sizes;
 }
 

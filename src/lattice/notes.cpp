@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lumesh/core/counted.hpp"
+#include "lumesh/mesh/label_shapes.hpp"
 
 namespace lumesh {
 
@@ -54,7 +55,6 @@ void note_limits(const LatticeOptions& options, LatticeReport& report) {
 /// Labels that are too thin for the lattice fill another volume than their voxels.
 void note_volumes(const fitting::WorkMesh& mesh, const ImageDomain& domain, const std::vector<double>& voxels,
                   LatticeReport& report) {
-  constexpr double kMuch = 0.05;
   const std::vector<double> filled = fitting::material_volumes_mm3(mesh, voxels.size());
   std::size_t count = 0;
   double worst = 0;
@@ -64,16 +64,14 @@ void note_volumes(const fitting::WorkMesh& mesh, const ImageDomain& domain, cons
     const bool is_below_one_voxel = voxels[m] < 1;       // Grazed by a cut plane.
     if (filled[m] <= 0 || is_below_one_voxel) continue;  // Lost labels are reported by note_lost().
     const double change = filled[m] / wanted - 1;
-    count += std::abs(change) > kMuch ? 1 : 0;
+    count += std::abs(change) > kMuchOfVolume ? 1 : 0;
     if (std::abs(change) <= std::abs(worst)) continue;
     worst = change;
     label = domain.label_of(m);
   }
   if (count == 0) return;
-  std::string note = fmt::format("label {} fills {:.1f} % {} than its voxels", label, 100 * std::abs(worst),
-                                 worst < 0 ? "less" : "more");
-  if (count > 1) note += fmt::format(", the worst of {} labels that are more than 5 % off", count);
-  report.notes.push_back(note + "; a smaller `edge_length` or higher `fidelity` helps");
+  report.notes.push_back(volume_text(label, worst, count) +
+                         "; a smaller `edge_length` or higher `fidelity` helps");
 }
 
 }  // namespace

@@ -223,7 +223,7 @@ class Cutter {
     divide();
     if (mesh_.view().cell_count() == 0)
       throw_bad_cut("nothing of the mesh is left behind the plane at " + coordinates_text(origin_) +
-                    "; what lies on the normal's side is cut off");
+                    kCutSide);
     add_openings();
     drop_unused_points();
     return made_;
@@ -235,8 +235,7 @@ class Cutter {
 
   void check_sides() const {
     if (std::ranges::none_of(heights_, [](double h) { return h > 0; }))
-      throw_bad_cut("nothing of the mesh lies beyond the plane at " + coordinates_text(origin_) +
-                    "; what lies on the normal's side is cut off");
+      throw_bad_cut("nothing of the mesh lies beyond the plane at " + coordinates_text(origin_) + kCutSide);
     const auto check = [&](const auto& cells) {
       for (const auto& cell : cells) {
         const bool is_beyond = heights_[cell[0]] > 0;

@@ -1,6 +1,9 @@
 #include "lumesh/mesh/label_shapes.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <utility>
@@ -154,6 +157,14 @@ std::map<Label, double> volumes_of_labels(const TetMesh& mesh) {
         for (const auto& [label, volume] : some) all[label] += volume;
         return all;
       });
+}
+
+std::string volume_text(Label label, double change, std::size_t count) {
+  return fmt::format("label {} fills {:.1f} % {} than its voxels", label, 100 * std::abs(change),
+                     change < 0 ? "less" : "more") +
+         (count > 1 ? fmt::format(", the worst of {} labels that are more than {:g} % off", count,
+                                  100 * kMuchOfVolume)
+                    : "");
 }
 
 }  // namespace lumesh

@@ -11,6 +11,7 @@
 #include "lumesh/mesh/patch_naming.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
+#include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -45,8 +46,7 @@ void check_input(std::span<const Vec3> points, std::span<const Cell<4>> tets, st
     throw_bad_mesh("too large: at most 2^30 vertices and 10^9 tetrahedra; choose a coarser mesh");
   const std::size_t bad_point =
       first_failing(points.size(), [&](std::size_t i) { return !points[i].allFinite(); });
-  if (bad_point != kNothing)
-    throw_bad_mesh("vertex " + std::to_string(bad_point) + " has a coordinate that is not finite");
+  if (bad_point != kNothing) throw_bad_mesh("vertex " + std::to_string(bad_point) + kNotFinite);
   const std::size_t bad_label = first_failing(labels.size(), [&](std::size_t t) { return labels[t] < 0; });
   if (bad_label != kNothing)
     throw_bad_mesh("tetrahedron " + std::to_string(bad_label) + " has a negative label");

@@ -27,7 +27,7 @@ void check_vertices(const TetMesh& mesh, ValidationReport& report) {
   check_each<NoScratch>(report, mesh.vertex_slots(), [&](std::size_t i, Findings& findings, NoScratch&) {
     const VertexId v(static_cast<std::uint32_t>(i));
     if (!mesh.alive(v)) return;
-    if (!mesh.point(v).allFinite()) findings.add(name(v) + " has a coordinate that is not finite");
+    if (!mesh.point(v).allFinite()) findings.add(name(v) + kNotFinite);
     const TetId t = mesh.incident_tet(v);
     if (t.valid() && (t.value >= mesh.tet_slots() || !mesh.alive(t) || mesh.index_of(t, v) < 0))
       findings.add(name(v) + " is linked to " + name(t) + ", which does not contain it");

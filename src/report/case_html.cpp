@@ -242,7 +242,7 @@ std::string comparison_table(std::span<const NamedEvaluation> meshes) {
     return fmt::format("{:.1f}° to {:.1f}°", tetrahedra(e).smallest_dihedral_deg.value,
                        tetrahedra(e).largest_dihedral_deg.value);
   });
-  rows.add("mean ratio, average and worst", [&](const Evaluation& e) {
+  rows.add(kMeanRatioRow, [&](const Evaluation& e) {
     return fmt::format("{:.3f}, {:.3f}", tetrahedra(e).mean_mean_ratio,
                        tetrahedra(e).smallest_mean_ratio.value);
   });

@@ -13,6 +13,9 @@ namespace lumesh::report {
 /// Text with <, >, &, and quotes made harmless.
 [[nodiscard]] std::string escaped(std::string_view text);
 
+/// Head of a row of tables.
+inline constexpr const char* kMeanRatioRow = "mean ratio, average and worst";
+
 /// From the first line of the file to the begin of what is to be read; both arguments are plain text.
 [[nodiscard]] std::string page_begin(const std::string& title, const std::string& kind);
 [[nodiscard]] std::string page_end();

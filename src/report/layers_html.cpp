@@ -126,7 +126,7 @@ std::string parts_section(const LayersOfMesh& layers) {
                  {"pyramids", "–", mixed(own.pyramids)},
                  {"dihedral angles", angles_of_core(layers),
                   degrees(layers.shapes.smallest_dihedral_deg, layers.shapes.largest_dihedral_deg)},
-                 {"mean ratio, average and worst",
+                 {kMeanRatioRow,
                   fmt::format("{:.3f}, {:.3f}", core.mean_mean_ratio, core.smallest_mean_ratio.value), "–"},
                  {"longest edge per least height, average and most", "–",
                   fmt::format("{:.1f}, {:.1f}", layers.shapes.mean_aspect, layers.shapes.largest_aspect)}};

@@ -113,7 +113,6 @@ std::string other_shapes(const ImageShape& image, std::span<const LabelShape> sh
 }
 
 std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
-  constexpr double kMuch = 0.05;
   constexpr std::uint64_t kMin = 100;  // Voxels.
   const std::map<Label, double> volumes = volumes_of_labels(mesh);
   std::size_t others = 0;
@@ -123,17 +122,14 @@ std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
     const auto found = volumes.find(one.label);
     if (one.voxel_count < kMin || found == volumes.end()) continue;
     const double change = found->second / one.volume_mm3 - 1;
-    others += std::abs(change) > kMuch ? 1 : 0;
+    others += std::abs(change) > kMuchOfVolume ? 1 : 0;
     if (std::abs(change) <= std::abs(worst)) continue;
     worst = change;
     label = one.label;
   }
   if (others == 0) return {};
-  return fmt::format(
-      "label {} fills {:.1f} % {} than its voxels{}; a smaller `delta`{} may help", label,
-      100 * std::abs(worst), worst < 0 ? "less" : "more",
-      others > 1 ? fmt::format(", the worst of {} labels that are more than 5 % off", others) : "",
-      image.is_exact ? "" : " or `boundary` exact");
+  return fmt::format("{}; a smaller `delta`{} may help", volume_text(label, worst, others),
+                     image.is_exact ? "" : " or `boundary` exact");
 }
 
 std::vector<std::string> without_empty(std::vector<std::string> lines) {

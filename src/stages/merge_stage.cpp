@@ -14,8 +14,6 @@ std::vector<MixedMesh> read_to_merge(const std::vector<std::string>& paths) {
   std::vector<MixedMesh> meshes;
   for (const std::string& path : paths) {
     MixedMesh& mesh = meshes.emplace_back(read_mesh(path));
-    if (mesh.view().cell_count() == 0)
-      throw Error(ErrorKind::kBadInput, path + ": has no cells; give a mesh of a volume");
     if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
       throw Error(ErrorKind::kBadInput,
                   fmt::format("{}: {} cells have no positive volume; repair it first", path, inverted));

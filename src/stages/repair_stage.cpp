@@ -139,7 +139,7 @@ double RepairRequest::max_distance_mm(double diagonal_mm) const {
 
 RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& request, Context& context) {
   request.validate();
-  if (surface.triangles.empty()) throw Error(ErrorKind::kBadInput, "the surface has no triangles");
+  surfaces::require_triangles(surface.triangles);
   RepairOutcome outcome;
   outcome.max_distance_mm = request.max_distance_mm(diagonal_mm(surface));
   const TriangleMesh given{surface.points, surface.triangles, surface.triangle_patches, {}};

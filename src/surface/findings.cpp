@@ -261,8 +261,12 @@ class SurfaceCheck {
 
 }  // namespace
 
-std::vector<Finding> findings_of(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
+void require_triangles(std::span<const Cell<3>> triangles) {
   if (triangles.empty()) throw Error(ErrorKind::kBadInput, "the surface has no triangles");
+}
+
+std::vector<Finding> findings_of(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
+  require_triangles(triangles);
   return SurfaceCheck(points, triangles).find();
 }
 

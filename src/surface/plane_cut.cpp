@@ -303,10 +303,7 @@ class EndCut {
     if (!loop.is_simple) throw_bad_cut(text() + " touches itself in its section there; cut elsewhere");
     const double of_vessel = std::numbers::pi * radius_mm * radius_mm;
     if (loop.area_mm2 > max_mm2_)
-      throw_bad_cut(
-          fmt::format("{} has a section of {:.3g} mm² across its axis, {:.1f} times that of its radius "
-                      "there, {:.3g} mm: it forks or bulges; cut elsewhere, or give a plane with `cut_plane`",
-                      text(), loop.area_mm2, loop.area_mm2 / of_vessel, radius_mm));
+      throw_bad_cut(wide_section_text(text(), loop.area_mm2, of_vessel, radius_mm));
     reach_of_ = 0;
     for (const TriangleSide& side : loop.above)
       if (std::ranges::find(ends_, divided.mesh.patches[side.triangle]) != ends_.end())
@@ -336,10 +333,7 @@ class EndCut {
       std::vector<std::uint32_t> stack;
       const auto enter = [&](std::uint32_t t) {
         if (part[t] == mark) return;
-        if (part[t] != 0)
-          throw_bad_cut(text() +
-                        " is part of a loop, which a cut there leaves in one piece; give a plane that cuts "
-                        "both arms with `cut_plane`");
+        if (part[t] != 0) throw_bad_cut(loop_text(text()));
         part[t] = mark;
         stack.push_back(t);
       };
@@ -391,7 +385,7 @@ std::int32_t cut_off_beyond(TriangleMesh& surface, const SectionPlane& plane, st
   drop_triangles(divided.mesh, goes);
   if (divided.mesh.triangles.empty())
     throw_bad_cut("nothing of the surface is left behind the plane at " + place_text(plane.point_mm) +
-                  "; what lies on the normal's side is cut off");
+                  kCutSide);
   const std::int32_t caps = cap_sections(divided.mesh, plane, first_patch);
   drop_unused_points(divided.mesh);
   surface = std::move(divided.mesh);

@@ -1,11 +1,29 @@
 #pragma once
-/// @file Which part a cut through one vessel removes.
+/// @file Which part a cut through one vessel removes, and why there is no such cut.
+
+#include <fmt/core.h>
 
 #include <cstdint>
+#include <string>
 
 namespace lumesh {
 
 /// The smaller part, or that on the normal's side of the plane.
 enum class CutPart : std::uint8_t { kSmaller, kAbove };
+
+/// The fault of a section that is no single vessel's. @param vessel  "the vessel at (1.0, 2.0, 3.0) mm".
+[[nodiscard]] inline std::string wide_section_text(const std::string& vessel, double section_mm2,
+                                                   double of_vessel_mm2, double radius_mm) {
+  return fmt::format(
+      "{} has a section of {:.3g} mm² across its axis, {:.1f} times that of its radius there, {:.3g} mm: it "
+      "forks or bulges; cut elsewhere, or give a plane with `cut_plane`",
+      vessel, section_mm2, section_mm2 / of_vessel_mm2, radius_mm);
+}
+/// The fault of a cut that does not divide.
+[[nodiscard]] inline std::string loop_text(const std::string& vessel) {
+  return vessel +
+         " is part of a loop, which a cut there leaves in one piece; give a plane that cuts both arms with "
+         "`cut_plane`";
+}
 
 }  // namespace lumesh

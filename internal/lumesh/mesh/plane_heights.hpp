@@ -15,6 +15,9 @@
 
 namespace lumesh {
 
+/// End of a message on a plane that leaves nothing, or cuts nothing off.
+inline constexpr const char* kCutSide = "; what lies on the normal's side is cut off";
+
 /// Heights of points over a plane; what rounding has moved out of the plane is in it.
 /// @param rounding  In diagonals of the points' box.
 [[nodiscard]] inline std::vector<double> heights_over(std::span<const Vec3> points, const Vec3& origin,

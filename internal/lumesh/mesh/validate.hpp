@@ -10,6 +10,9 @@
 
 namespace lumesh {
 
+/// End of what is said of a point.
+inline constexpr const char* kNotFinite = " has a coordinate that is not finite";
+
 /// Counts of validate(), per label.
 struct LabelBoundary {
   Label label = kBackground;

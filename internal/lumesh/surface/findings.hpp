@@ -63,4 +63,7 @@ struct Fan {
 /// Whether one triangle can be reached from another over a few edges.
 [[nodiscard]] bool is_close_along(const EdgeNeighbours& neighbours, std::uint32_t from, std::uint32_t to);
 
+/// @throws Error{kBadInput} if there is none.
+void require_triangles(std::span<const Cell<3>> triangles);
+
 }  // namespace lumesh::surfaces
