@@ -9,7 +9,7 @@ The table of formats stands between `<!-- formats -->` and `<!-- end of formats 
 
 --check also looks whether the tables of formats in docs/stages have all of the program's, and whether each list of file names' endings in
 a row of options is that of a use of files (`FORMAT_TABLES`, `faults_of_lists()`); and whether each flag of `lumesh COMMAND --help` stands on docs/stages/COMMAND.md or on docs/options.md, to which the
-page links then; whether each flag at the beginning of a row of that page's options is one of the command; and whether a file that may be
+page links then; whether no meaning stands under two names, but those of `SHARED_MEANINGS`; whether each flag at the beginning of a row of that page's options is one of the command; and whether a file that may be
 left out (`--json [FILE]`) is written so.
 
 Usage: option_tables.py [--check] [--program PATH]
@@ -34,6 +34,12 @@ FORMAT_TABLES = (
     ("docs/stages/convert.md", "| File | Read | Written |\n", ("carry metric", "metric alone")),
     ("docs/stages/info.md", "| File | Read by |", ("read image",)),
 )
+# Names that share a meaning, and why.
+SHARED_MEANINGS = {
+    ("phantom_size", "size"): "a case has the phantom's with others in one section",
+    ("phantom_spacing", "spacing"): "the same",
+    ("noise", "phantom_noise"): "the same",
+}
 NOT_OPTIONS = "formats"  # The key of the program's list that is no section.
 OF_HELP = re.compile(r"^  (-[\w,-]+)(.*)$", re.MULTILINE)
 
@@ -101,6 +107,15 @@ def faults_of_lists(name, text, formats):
     for row in re.findall(r"^\| `(?:-|FROM|MESH).*", text, re.MULTILINE):
         for found in ENDINGS.findall(row):
             if tuple(re.findall(r"`([^`]*)`", found)) not in known: yield f"{name}: {found} are the formats of no use of files"
+
+
+def faults_of_meanings(sections):
+    """Meanings that stand under two names, and names that need no exception any more."""
+    names = {}
+    for option in (option for options in sections.values() for option in options): names.setdefault(option["meaning"], set()).add(option["name"])
+    shared = {tuple(sorted(found)): meaning for meaning, found in names.items() if len(found) > 1}
+    for found in sorted(shared.keys() - SHARED_MEANINGS.keys()): yield f"\"{shared[found]}\" is the meaning of {' and '.join(found)}; make them one option"
+    for found in sorted(SHARED_MEANINGS.keys() - shared.keys()): yield f"{' and '.join(found)} share no meaning any more; take them from SHARED_MEANINGS"
 
 
 def faults_of_formats(formats):
@@ -183,7 +198,7 @@ def main():
         print(f"{page}: its tables differ from the program's; run scripts/option_tables.py")
     for name in missing:
         print(f"docs/stages/run.md: has no table of options {name}")
-    faults = [*faults_of_pages(arguments.program), *faults_of_formats(formats)] if arguments.check else []
+    faults = [*faults_of_pages(arguments.program), *faults_of_formats(formats), *faults_of_meanings(sections)] if arguments.check else []
     print("".join(f"{fault}\n" for fault in faults), end="")
     return 1 if missing or faults or (stale and arguments.check) else 0
 

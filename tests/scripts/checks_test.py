@@ -184,6 +184,36 @@ class ChecksTest(unittest.TestCase):
         self.assert_finds("check_words.py", "60 texts stand in two files")
         self.assert_finds("check_words.py", "apps/lumesh/other.cpp, src/mesh/one.cpp: \"the surface number 7 has no triangles\"")
 
+    def test_words_finds_numbers_of_defaults_in_texts(self):
+        self.write("src/mesh/good.cpp", 'list.number("a", a, above(2), "Of 3 parts").in("mm").zero(fmt::format("{:.2g} voxels", kUsual), 1e9);\n'
+                   'list.number("b", b, "Default: auto; 0: none").by_default("as the sources say");\n')
+        self.assertEqual(self.run_check("check_words.py")[0], 0, self.run_check("check_words.py")[1])
+        for text, said in (('.zero("2.5 voxels")', "2.5 voxels"), ('.by_default(fmt::format("{} of 3 (or {})", f(")"), 2))', "{} of 3 (or {})"),
+                           ('.zero("none of " "a quarter")', "none of a quarter"), ('"Radius; default 14, of " "others 9"', "Radius; default 14, of others 9")):
+            self.write("src/mesh/bad.cpp", f'list.number("c", c, "C"){text if text[0] == "." else "," + text};\n')
+            self.assert_finds("check_words.py", f'src/mesh/bad.cpp: "{said}" has the number of a default')
+
+    def test_words_finds_options_that_are_described_twice(self):
+        self.write("src/mesh/one.cpp", 'list.number("time_limit", t, above(0), "Time");\nlist.flag("feature_angle", a, "A");\n')
+        self.write("apps/lumesh/two.cpp", 'sub->add_option("-o,--file", f, "F");\nsub->add_flag("--time-limit", t, meaning_of(Keys(), "time_limit"));\n'
+                   'list.flag("feature_angle", b, "B");\n')
+        self.assertEqual(self.run_check("check_words.py")[0], 0, self.run_check("check_words.py")[1])
+        self.write("apps/lumesh/three.cpp", 'sub->add_option_function<std::vector<std::string>>(\n    "-t,--time-limit", set, "Stop then");\n')
+        self.assert_finds("check_words.py", "option time_limit is described 2 times (apps/lumesh/three.cpp, src/mesh/one.cpp), 1 may")
+        self.write("apps/lumesh/three.cpp", 'list.number("feature_angle", c, "C");\n')
+        self.assert_finds("check_words.py", "option feature_angle is described 3 times (apps/lumesh/three.cpp, apps/lumesh/two.cpp, src/mesh/one.cpp), 2 may")
+        self.write("apps/lumesh/two.cpp", "")
+        self.write("apps/lumesh/three.cpp", "")
+        self.assert_finds("check_words.py", "option feature_angle is described 1 times")
+
+    def test_option_tables_finds_meanings_under_two_names(self):
+        sections = {"a": [{"name": name, "meaning": f"about {name}"} for name in ("x", "y")], "b": [{"name": "x", "meaning": "about x"}]}
+        for names in option_tables.SHARED_MEANINGS: sections["b"] += [{"name": name, "meaning": str(names)} for name in names]
+        self.assertEqual(list(option_tables.faults_of_meanings(sections)), [])
+        sections["b"].append({"name": "z", "meaning": "about y"})
+        self.assertEqual(list(option_tables.faults_of_meanings(sections)), ['"about y" is the meaning of y and z; make them one option'])
+        self.assertIn("size share no meaning any more", " ".join(option_tables.faults_of_meanings({"a": sections["a"]})))
+
     def test_words_finds_pages_without_sources_or_picture(self):
         self.write("docs/images/a.png", "")
         self.write("docs/stages/a.md", "# a\n\n![A](../images/a.png)\n\n## Limits\n\n## Sources\n")
