@@ -164,7 +164,7 @@ void take_vtk_faces(const std::filesystem::path& path, const std::vector<Number>
   faces.clear();
   tags.clear();
   for (std::size_t f = 0; f < patches.size(); ++f) {
-    if (!(patches[f] >= 0 && patches[f] < static_cast<Number>(patch_end))) fail(path, kNoPatch);
+    if (!(patches[f] >= 0 && patches[f] < static_cast<Number>(patch_end))) fail(path, kFaceWithoutPatch);
     faces.push_back(vtk_cell<N>(path, std::span<const Number>(corners).subspan(N * f, N), points));
     tags.push_back(static_cast<std::int32_t>(patches[f]));
   }

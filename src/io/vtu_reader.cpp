@@ -64,7 +64,7 @@ void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
 constexpr std::int64_t kPatchEnd = 65'535;  // As many patches as meshes that change can have.
 
 std::int32_t checked_patch(const VtkXmlReader& file, std::int64_t patch) {
-  if (patch < 0 || patch >= kPatchEnd) file.fail(kNoPatch);
+  if (patch < 0 || patch >= kPatchEnd) file.fail(kFaceWithoutPatch);
   return static_cast<std::int32_t>(patch);
 }
 

@@ -1,4 +1,5 @@
-// Misspelt words, options of three numbers, places of grids, disjoint sets, medians, memory.
+// Misspelt words, numbers of texts, options of three numbers, places of grids, disjoint sets, medians,
+// memory.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include "lumesh/core/grid.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/core/nearest_word.hpp"
+#include "lumesh/core/spoken_number.hpp"
 #include "lumesh/core/three_numbers.hpp"
 #include "lumesh/core/types.hpp"
 #include "lumesh/core/value_of_rank.hpp"
@@ -86,6 +88,14 @@ TEST(DisjointSets, AreRepresentedByTheirLowestNumber) {
   for (const auto& [x, lowest] :
        std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 0}, {1, 1}, {2, 2}, {3, 2}, {4, 1}, {5, 1}})
     EXPECT_EQ(sets.find(x), lowest);
+}
+
+TEST(SpokenNumber, IsAWordWhereThereIsOneAndElseItsDigits) {
+  EXPECT_EQ(spoken(0.25), "a quarter");
+  EXPECT_EQ(spoken(4e6), "four million");
+  EXPECT_EQ(spoken(2.5), "2.5");
+  EXPECT_EQ(spoken(2e-6), "2e-6");
+  EXPECT_EQ(spoken(3e-12), "3e-12");
 }
 
 TEST(ValueOfRank, IsTheOneThatStandsThereInAscendingOrder) {
