@@ -233,7 +233,7 @@ FitState::FitState(const Band& of)
 
 namespace {
 
-constexpr float kNowhere = -1e3F, kNearBoth = 1;  // voxels
+constexpr float kNearBoth = 1;  // voxels
 
 /// Value of a part's function at a lane of the whole band.
 struct PartValue {
@@ -259,6 +259,26 @@ std::vector<PartValue> fit_part(const FacingWalls& walls, std::size_t number, co
   return result;
 }
 
+/// Replaces the common function of the walls that parts hold by the parts', with their shares.
+/// @return At each lane the sum of the shares, at most 1.
+LaneArray take_own_values(const std::vector<std::vector<PartValue>>& parts, const Band& band,
+                          LaneArray& values) {
+  LaneArray shares(band.end(), 0), sums(band.end(), 0);
+  for (const auto& part : parts)
+    for (const PartValue& v : part) {
+      if (!v.is_own) continue;
+      shares.data()[v.lane] += v.share;
+      sums.data()[v.lane] += v.share * v.value;
+    }
+  for (Lane lane = kLanes; lane < band.end() * kLanes; ++lane) {
+    const float share = shares.data()[lane];
+    if (!(share > 0)) continue;
+    float& value = values.data()[lane];
+    value = share >= 1 ? sums.data()[lane] / share : sums.data()[lane] + (1 - share) * value;
+  }
+  return shares;
+}
+
 /// Replaces the common function where walls face each other by those of each alone, of which the greater one
 /// is the union's. They fade into the common one along the wall.
 void fit_facing_walls(const Band& band, BoundaryFidelity fidelity, LaneArray& values) {
@@ -267,27 +287,20 @@ void fit_facing_walls(const Band& band, BoundaryFidelity fidelity, LaneArray& va
   std::vector<std::vector<PartValue>> parts(walls.part_count());
   parallel::for_each_task(parts.size(),
                           [&](std::size_t p) { parts[p] = fit_part(walls, p, band, fidelity); });
-  LaneArray greatest(band.end(), std::nanf("")), second(band.end(), kNowhere), owned(band.end(), 0);
+  const LaneArray shares = take_own_values(parts, band, values);
+  const LaneArray own = values;
   for (const auto& part : parts)
     for (const PartValue& v : part) {
-      float &most = greatest.data()[v.lane], &next = second.data()[v.lane];
-      const float common = values.data()[v.lane];
-      const float blended = v.share * v.value + (1 - v.share) * common;
-      next = std::max(next, most == most ? std::min(most, blended) : kNowhere);
-      if (!(most >= blended)) most = blended;
-      if (v.is_own) owned.data()[v.lane] = 1;
+      if (v.is_own || !(v.share > 0)) continue;
+      const int segment = v.lane / kLanes, place = v.lane % kLanes;
+      const float nearest = own.data()[v.lane];
+      float& value = values.data()[v.lane];
+      value = std::max(value, nearest + v.share * std::max(0.0F, v.value - nearest));
+      // Neither knows of the other: what both come near to stays background.
+      const bool is_between = std::min(v.value, nearest) > -kNearBoth && shares.data()[v.lane] > 0 &&
+                              !Band::has(band.plus(segment), place) && Band::has(band.held(segment), place);
+      if (is_between) value = std::min(value, -kThinDepth);
     }
-  for (Lane lane = kLanes; lane < band.end() * kLanes; ++lane) {
-    const float most = greatest.data()[lane];
-    if (most != most) continue;
-    float& value = values.data()[lane];
-    value = owned.data()[lane] > 0 ? most : std::max(value, most);
-    // Neither knows of the other: what both come near to stays background.
-    const bool is_between = second.data()[lane] > -kNearBoth &&
-                            !Band::has(band.plus(lane / kLanes), lane % kLanes) &&
-                            Band::has(band.held(lane / kLanes), lane % kLanes);
-    if (is_between) value = std::min(value, -kThinDepth);
-  }
 }
 
 }  // namespace
