@@ -16,9 +16,7 @@ constexpr int kMinWay = 4;    // supervoxels further apart than this on the way 
 constexpr std::size_t kMinVoxels = 24;  // within that way of a supervoxel, else it is a speck
 // Around supervoxels that face another part: whose function is the part's, with whose faces it is fitted,
 // and what continues it.
-constexpr int kInnerSteps = 1, kOwnSteps = 3, kMarginSteps = 5;
-constexpr int kCutOff = kMarginSteps + 1;  // instead of the steps of what a part faces though it is near
-constexpr int kCutSteps = 2;               // supervoxels from one that is cut off from a part
+constexpr int kInnerSteps = 1, kOwnSteps = 3, kMarginSteps = 4;
 constexpr int kBoxMargin = 8;  // voxels: what is near the image's border stays as far from the box's
 
 /// Way to the next voxel along x, y and z: its row, and the places along that.
@@ -199,26 +197,18 @@ std::vector<FacingWalls::NearCell> FacingWalls::around(const std::vector<Cell>& 
   return found;
 }
 
-/// What the part faces has no side for it; near the cuts where that would go on from it, the common function
-/// holds.
-std::vector<FacingWalls::NearCell> FacingWalls::with_surroundings(const std::vector<Cell>& core,
+/// Less those from which the way to what the part faces is short: near the rod that joins two vessels, or the
+/// turns of a tight coil, the common function stays. Nothing if those are more than half.
+std::vector<FacingWalls::NearCell> FacingWalls::with_surroundings(std::vector<Cell> core,
                                                                   const parallel::Adjacency& facing) const {
   std::vector<Cell> faced;
   for (const Cell cell : core) faced.insert(faced.end(), facing.of(cell).begin(), facing.of(cell).end());
   sort_unique(faced);
-  std::vector<NearCell> cells = around(core, kMarginSteps);
-  std::vector<Cell> cut_off;
-  for (NearCell& c : cells) {
-    if (!std::ranges::binary_search(faced, c.cell)) continue;
-    c.steps = kCutOff;
-    cut_off.push_back(c.cell);
-  }
-  for (const NearCell& near_cut : around(cut_off, kCutSteps)) {
-    const auto found = std::ranges::lower_bound(cells, near_cut.cell, {}, &NearCell::cell);
-    if (found != cells.end() && found->cell == near_cut.cell)
-      found->steps = std::max(found->steps, kInnerSteps + 1);
-  }
-  return cells;
+  const std::vector<NearCell> near_faced = around(faced, kMarginSteps);
+  const std::size_t trimmed = std::erase_if(
+      core, [&](Cell c) { return std::ranges::binary_search(near_faced, c, {}, &NearCell::cell); });
+  if (trimmed > core.size()) core.clear();
+  return around(core, kMarginSteps);
 }
 
 void FacingWalls::choose_parts(const parallel::Adjacency& facing) {
@@ -226,7 +216,7 @@ void FacingWalls::choose_parts(const parallel::Adjacency& facing) {
   std::vector<std::uint32_t> part_of(cell_count_, kNone);
   for (Cell seed = 1; seed < cell_count_; ++seed) {
     if (facing.of(seed).empty() || part_of[seed] != kNone) continue;
-    const auto part = static_cast<std::uint32_t>(parts_.size());
+    const std::uint32_t part = seed;
     const auto faces_another = [&](Cell cell) { return !facing.of(cell).empty(); };
     const auto may_join = [&](Cell cell) {
       return part_of[cell] == kNone &&
@@ -241,7 +231,8 @@ void FacingWalls::choose_parts(const parallel::Adjacency& facing) {
           part_of[other] = part;
           core.push_back(other);
         }
-    parts_.push_back(with_surroundings(core, facing));
+    if (auto cells = with_surroundings(std::move(core), facing); !cells.empty())
+      parts_.push_back(std::move(cells));
   }
 }
 
@@ -268,8 +259,7 @@ WallPart FacingWalls::part(std::size_t number) const {
   part.first = (box.low - Index3::Constant(kBoxMargin)).cwiseMax(0);
   ImageFrame frame = whole;
   frame.size = (box.high + Index3::Constant(kBoxMargin)).cwiseMin(whole.size) - part.first;
-  part.image = LabelImage(frame, {kBackground, WallPart::kMargin, WallPart::kInner, WallPart::kFree});
-  part.faces.pair.second = WallPart::kFree;
+  part.image = LabelImage(frame, {kBackground, WallPart::kMargin, WallPart::kInner});
   struct PlacedFace {
     std::size_t voxel = 0;
     Face face;
@@ -282,9 +272,7 @@ WallPart FacingWalls::part(std::size_t number) const {
     faces.push_back({frame.offset(voxel), {voxel, axis}, band_.crossing(lane, axis)});
   };
   for_each_lane([&](Lane lane, const Index3& voxel, int steps) {
-    part.image.at(voxel - part.first) = steps <= kInnerSteps ? WallPart::kInner
-                                        : steps < kCutOff    ? WallPart::kMargin
-                                                             : WallPart::kFree;
+    part.image.at(voxel - part.first) = steps <= kInnerSteps ? WallPart::kInner : WallPart::kMargin;
     // What is too deep for the band is of the object, too.
     for_each_place(voxel - Index3::Ones(), voxel + Index3::Ones(), [&](const Index3& beside) {
       if (whole.contains(beside) && image.at(beside) != 0 && !is_object(band_, band_.lane_of(beside)))

@@ -15,13 +15,12 @@ namespace lumesh::field {
 
 /// A part of the wall as an object of its own, in a box of the image.
 struct WallPart {
-  /// kInner for voxels whose function is the part's, kMargin for others that continue it, kFree for those of
-  /// neither side, 0 elsewhere.
+  /// kInner for voxels whose function is the part's, kMargin for others that continue it, 0 elsewhere.
   LabelImage image;
   Index3 first = Index3::Zero();  ///< Voxel of the whole image that is the box's first.
   PairFaces faces;
 
-  static constexpr LabelIndex kMargin = 1, kInner = 2, kFree = 3;
+  static constexpr LabelIndex kMargin = 1, kInner = 2;
 };
 
 /// Supervoxels: object voxels of the band in one cube that hang together by faces. Parts are sets of
@@ -51,7 +50,7 @@ class FacingWalls {
   /// Of each supervoxel those that it meets though they do not hang together near by, specks left out.
   [[nodiscard]] parallel::Adjacency facing_cells();
   void choose_parts(const parallel::Adjacency& facing);
-  [[nodiscard]] std::vector<NearCell> with_surroundings(const std::vector<Cell>& core,
+  [[nodiscard]] std::vector<NearCell> with_surroundings(std::vector<Cell> core,
                                                         const parallel::Adjacency& facing) const;
   [[nodiscard]] std::vector<NearCell> around(const std::vector<Cell>& start, int max_steps) const;
 

@@ -13,12 +13,12 @@ using LabelIndex = LabelImage::Index;
 /// Two labels that touch, or all labels together against the background: first == 0.
 struct LabelPair {
   LabelIndex first = 0;   ///< Where the pair's function is negative.
-  LabelIndex second = 0;  ///< Where it is positive; where first == 0 a label of neither side, 0 for none.
+  LabelIndex second = 0;  ///< Where it is positive; means nothing where first == 0.
 
   [[nodiscard]] bool is_outer_wall() const { return first == 0; }
   /// +1, -1 or 0 for a voxel of neither.
   [[nodiscard]] int side_of(LabelIndex label) const {
-    if (is_outer_wall()) return label == 0 ? -1 : static_cast<int>(label != second);
+    if (is_outer_wall()) return label != 0 ? 1 : -1;
     return static_cast<int>(label == second) - static_cast<int>(label == first);
   }
   friend bool operator==(const LabelPair&, const LabelPair&) = default;
