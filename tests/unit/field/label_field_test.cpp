@@ -274,7 +274,8 @@ TEST(LabelField, VesselsOneVoxelApartStayApart) {
 TEST(LabelField, VesselsSideBySideKeepTheirVolumes) {
   const ImageFrame frame = frame_of({44, 44, 44}, Vec3::Ones());
   const Vec3 along = Vec3(1, 0.3, 0.2).normalized(), across = along.cross(Vec3(0.3, 0.2, 1)).normalized();
-  for (const auto& [first, second] : {std::pair{3.0, 2.0}, {5.0, 2.0}}) {
+  constexpr double second = 2;
+  for (const double first : {3.0, 5.0}) {
     SCOPED_TRACE(testing::Message() << "radii " << first << " and " << second);
     constexpr double kOverlap = 0.4;
     const Vec3 middle(22.2, 22.1, 21.7);
