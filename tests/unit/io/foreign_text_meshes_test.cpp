@@ -167,7 +167,7 @@ TEST_F(MeditFile, ThatLumeshCannotRead) {
   const std::string start = "MeshVersionFormatted 2\nDimension 3\nVertices\n3\n0 0 0 0\n1 0 0 0\n0 1 0 0\n";
   expect_refused("a.mesh", start + "Triangles\n1\n1 2 3 1\n", "cut off");
   expect_refused("a.mesh", start + "Triangles\n1\n0 1 2 1\nEnd\n", "start at 1");
-  expect_refused("a.mesh", start + "Triangles\n1\n1 2 4 1\nEnd\n", "point 4");
+  expect_refused("a.mesh", start + "Triangles\n1\n1 2 4 1\nEnd\n", "point 3, counted from 0");
   expect_refused("a.mesh", start + "TetrahedraP2\n1\n1 2 3 1 2 3 1 2 3 1 0\nEnd\n", "second order");
   expect_refused("a.mesh", "MeshVersionFormatted 2\nDimension 2\nVertices\n1\n0 0 0\nEnd\n", "dimension 3");
   expect_refused("a.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n1\n0 nan 0 0\nEnd\n", "finite");
