@@ -342,8 +342,7 @@ class BandBuilder {
     for (std::size_t i = 0; i < faces_.size(); ++i) {
       const Face& f = faces_[i];
       const int s = b_.grid_.find(segment_of(f.voxel));
-      int entry = b_.first_entry(s);
-      for (int a = 0; a < f.axis; ++a) entry += static_cast<int>(b_.faces(s, a) != 0);
+      const int entry = b_.entry_of(s, f.axis);
       const auto lane = static_cast<std::size_t>(f.voxel.x() - b_.low_.x()) % kLanes;
       b_.crossings_[static_cast<std::size_t>(entry) * kLanes + lane] = crossings_[i];
     }

@@ -69,6 +69,12 @@ class Band {
   }
   /// Number of the segment's first entry, of which it has one for each axis with a face.
   [[nodiscard]] int first_entry(int segment) const { return first_entry_[index(segment)]; }
+  /// Number of the segment's entry for the faces along an axis, if it has any.
+  [[nodiscard]] int entry_of(int segment, int axis) const {
+    int entry = first_entry(segment);
+    for (int a = 0; a < axis; ++a) entry += static_cast<int>(faces(segment, a) != 0);
+    return entry;
+  }
   [[nodiscard]] int entry_count() const { return first_entry_.back(); }
   /// Whether the place where the boundary crosses is known of any face.
   [[nodiscard]] bool has_crossings() const { return !crossings_.empty(); }
@@ -79,10 +85,7 @@ class Band {
   }
   /// The same for the face between a lane's voxel and the next one along the axis; 0 without crossings.
   [[nodiscard]] float crossing(Lane lane, int axis) const {
-    if (!has_crossings()) return 0;
-    int entry = first_entry(lane / kLanes);
-    for (int a = 0; a < axis; ++a) entry += static_cast<int>(faces(lane / kLanes, a) != 0);
-    return crossings(entry)[lane % kLanes];
+    return has_crossings() ? crossings(entry_of(lane / kLanes, axis))[lane % kLanes] : 0;
   }
   [[nodiscard]] const std::array<std::int32_t, kRowCount>& rows(int segment) const {
     return rows_[index(segment)];
@@ -110,9 +113,7 @@ class Band {
   /// Value of an array for a voxel of the image, or a ghost; that of the null segment if that is
   /// not of the band.
   [[nodiscard]] float value_at(const LaneArray& values, const Index3& voxel) const {
-    const Index3 v = voxel - low_;
-    const int x = v.x() >= 0 ? v.x() / kLanes : -1;
-    return values.at(grid_.find({x, v.y(), v.z()}))[v.x() & (kLanes - 1)];
+    return values.data()[lane_of(voxel)];
   }
 
   /// Ranges of segments that end where a row's run of segments ends.

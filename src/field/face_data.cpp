@@ -108,9 +108,7 @@ void add_faces_of(const Band& band, Lane voxel, std::vector<int>& out) {
     for (const Lane lane : {voxel, band.neighbour(voxel, back.x(), back.y(), back.z())}) {
       const int s = lane / kLanes;
       if (!Band::has(band.faces(s, axis), lane % kLanes)) continue;
-      int entry = band.first_entry(s);
-      for (int a = 0; a < axis; ++a) entry += static_cast<int>(band.faces(s, a) != 0);
-      out.push_back(entry * kLanes + lane % kLanes);
+      out.push_back(band.entry_of(s, axis) * kLanes + lane % kLanes);
     }
   }
 }
