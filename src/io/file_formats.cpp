@@ -104,12 +104,6 @@ constexpr auto kFormats = std::to_array<FileFormat>({
     {kDicom, "DICOM folder", bits(kReadImage)},
 });
 
-static_assert(std::ranges::all_of(kFormats, [](const FileFormat& f) {
-  const auto has = [&](FileUse use, auto* code) { return !f.serves(use) || code != nullptr; };
-  return has(kRead, f.code.read) && has(kWrite, f.code.write) && has(kPointData, f.code.read_point_data) &&
-         has(kWriteImage, f.code.write_image);
-}));
-
 struct UseWords {
   FileUse use;
   std::string_view words, unknown;

@@ -6,7 +6,9 @@
 #include <string>
 
 #include "io_fixtures.hpp"
+#include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/point_data_file.hpp"
 
 namespace lumesh {
 namespace {
@@ -296,6 +298,47 @@ TEST(MeshFormats, EveryUseListsItsFormatsAndRefusesOthersAlike) {
     const std::string fault = fixtures::error_of([&, kind = use] { require_format("a.pdf", kind); });
     EXPECT_EQ(fault.find("a.pdf: unknown "), 0U) << fault;
     EXPECT_TRUE(fault.ends_with("; use " + formats_for(use, " or "))) << fault;
+  }
+}
+
+/// A name that the format takes.
+std::string file_of(std::string_view format) {
+  return format.front() == '.' ? "a" + std::string(format.substr(0, format.find(' '))) : "a-mesh-complete/";
+}
+
+TEST(MeshFormats, EveryFormatHasTheCodeOfItsUses) {
+  const TemporaryFolder folder;
+  for (const FileUse use : {FileUse::kRead, FileUse::kPointData})
+    for (const std::string_view format : format_names(use)) {
+      const std::filesystem::path empty = fixtures::write_file(folder / file_of(format), "");
+      const std::string fault = fixtures::error_of([&] {
+        if (use == FileUse::kRead) {
+          (void)read_mesh(empty);
+        } else {
+          (void)read_point_data(empty);
+        }
+      });
+      EXPECT_NE(fault.find(empty.string()), std::string::npos) << fault;
+    }
+  const MixedMesh mesh = [] {
+    MixedMesh surface;
+    surface.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    surface.tetrahedra = {{0, 1, 2, 3}};
+    surface.tetrahedron_labels = {1};
+    surface.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    surface.triangle_patches = {0, 0, 0, 0};
+    surface.info.patches = {{"wall", PatchKind::kWall, {1, 0}}};
+    return surface;
+  }();
+  for (const std::string_view format : format_names(FileUse::kWrite)) {
+    const std::filesystem::path file = folder / ("w" + file_of(format));
+    write_mesh(file, mesh.view());
+    EXPECT_TRUE(std::filesystem::exists(file)) << format;
+  }
+  for (const std::string_view format : format_names(FileUse::kWriteImage)) {
+    const std::filesystem::path file = folder / ("i" + file_of(format));
+    write_image(file, LabelImage(ImageFrame{.size = Index3(2, 2, 2)}, std::vector<Label>(8, 1)));
+    EXPECT_TRUE(std::filesystem::exists(file)) << format;
   }
 }
 
