@@ -43,9 +43,10 @@ operators::KeepWithin below(std::vector<CutPlane> planes) {
 AdaptedBoundary::AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, Context& context)
     : image_(options.image) {
   constexpr double kNoCreases = 180, kTolerance = 1e-10;
+  // The boundary of an image is smooth: where a coarse mesh of it bends sharply, a facet is no plane.
+  const bool may_have_creases = !options.is_frozen && !options.image;
   origins_ = context.phase("creases", [&] {
-    return operators::cut_patches_at_creases(mesh,
-                                             options.is_frozen ? kNoCreases : options.feature_angle_deg);
+    return operators::cut_patches_at_creases(mesh, may_have_creases ? options.feature_angle_deg : kNoCreases);
   });
   shapes_ = context.phase("surfaces", [&] {
     return options.is_frozen

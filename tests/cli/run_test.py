@@ -166,6 +166,29 @@ report = ""
                 self.assertNotEqual(self.hash_of_mesh(), of_case)
 
 
+class CoarseForkTest(CaseTest):
+    """The first mesh bends by more than the feature angle beside a crotch, where the boundary of the image is smooth."""
+
+    text = """\
+[input]
+phantom = "bifurcation"
+phantom_size = 72
+
+[metric]
+curvature = true
+complexity = 8000
+
+[output]
+meshes = ["a.vtu"]
+"""
+
+    def test_no_facet_stays_a_plane_that_its_neighbours_cross(self):
+        self.run_case()
+        mesh = json.loads(self.run_well("evaluate", self.out / "a.vtu", "--json").stdout)
+        self.assertTrue(mesh["valid"])
+        self.assertGreater(mesh["metric_mean_ratio"]["min"], 0.1)  # 0.008 beside such a plane.
+
+
 class RunTest(CaseTest):
     def test_writes_what_it_says_and_nothing_between_the_stages(self):
         result = self.run_case()

@@ -16,7 +16,7 @@ namespace lumesh {
 /// The shapes and places that adapt() works with, and what is to be undone afterwards.
 class AdaptedBoundary {
  public:
-  /// Cuts the patches of `mesh` at their creases and finds the shape of each.
+  /// Cuts the patches of `mesh` at their creases, unless they follow an image, and finds the shape of each.
   /// @throws Error{kBadInput} as operators::follow_image(), which speaks of the image without its name.
   AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, Context& context);
 
