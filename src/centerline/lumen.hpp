@@ -107,11 +107,7 @@ class Lumen {
     return number < 0 ? nullptr : &stored_[static_cast<std::size_t>(number)];
   }
   [[nodiscard]] std::size_t brick_offset(const Index3& at) const { return grid_offset(bricks_, at / kBrick); }
-  [[nodiscard]] std::size_t cell(const Index3& v) const {
-    const Index3 at = v - low_;
-    return static_cast<std::size_t>(at.x() % kBrick +
-                                    kBrick * (at.y() % kBrick + kBrick * (at.z() % kBrick)));
-  }
+  [[nodiscard]] std::size_t cell(const Index3& v) const { return offset_in_brick(v - low_, kBrick); }
   /// Share of a voxel, or of the border's nearest one, 0 to kWhole.
   [[nodiscard]] double share_at(const Index3& v) const {
     const Index3 nearest = v.cwiseMax(0).cwiseMin(frame_.size - Index3::Ones());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/even_places.hpp"
 
 namespace lumesh::centerline {
 
@@ -80,14 +81,8 @@ Tube resampled_by_radius(const Tube& tube, double share, double min_mm) {
     steps.push_back(steps.back() + (length[i] - length[i - 1]) * 2 / (gap_at(i - 1) + gap_at(i)));
   const auto gaps = std::max<std::size_t>(2, static_cast<std::size_t>(std::ceil(steps.back())));
   std::vector<double> ways;
-  std::size_t leg = 1;
-  for (std::size_t i = 0; i < gaps + (tube.closed ? 0 : 1); ++i) {
-    const double wanted = steps.back() * static_cast<double>(i) / static_cast<double>(gaps);
-    while (leg + 1 < steps.size() && steps[leg] < wanted) ++leg;
-    const double span = steps[leg] - steps[leg - 1];
-    const double t = span > 0 ? std::clamp((wanted - steps[leg - 1]) / span, 0.0, 1.0) : 0.0;
-    ways.push_back(length[leg - 1] + t * (length[leg] - length[leg - 1]));
-  }
+  for (const PolylinePlace& at : even_places(steps, gaps, gaps + (tube.closed ? 0 : 1)))
+    ways.push_back(at.between(length[at.leg], length[at.leg + 1]));
   return sampled(tube, length, ways);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 #include "point_levels.hpp"
 
@@ -103,11 +104,11 @@ class Thinning {
       const double reach = std::min(mine.spacing, 0.5 * level.cube_mm);
       const Index3 low = cube_of(mine.point - Vec3::Constant(reach), level.cube_mm);
       const Index3 high = cube_of(mine.point + Vec3::Constant(reach), level.cube_mm);
-      for (int k = low.z(); k <= high.z(); ++k)
-        for (int j = low.y(); j <= high.y(); ++j)
-          for (int i = low.x(); i <= high.x(); ++i)
-            if (const auto* taken = level.taken_in({i, j, k}); taken != nullptr && is_near_any(mine, *taken))
-              return true;
+      if (is_any_place(low, high, [&](const Index3& cube) {
+            const auto* taken = level.taken_in(cube);
+            return taken != nullptr && is_near_any(mine, *taken);
+          }))
+        return true;
     }
     return false;
   }

@@ -80,11 +80,7 @@ class LabelFieldBuilder {
   [[nodiscard]] bool has_bare_end(int axis, std::size_t end) const {
     Index3 low = Index3::Zero(), high = f_.frame_.size - Index3::Ones();
     (end == 0 ? high : low)[axis] = (end == 0 ? low : high)[axis];
-    for (int k = low.z(); k <= high.z(); ++k)
-      for (int j = low.y(); j <= high.y(); ++j)
-        for (int i = low.x(); i <= high.x(); ++i)
-          if (image_.at({i, j, k}) != 0) return false;
-    return true;
+    return !is_any_place(low, high, [&](const Index3& v) { return image_.at(v) != 0; });
   }
   /// How many voxels a place is beyond the layer of background at the image's end, 0 in it; < 0 elsewhere.
   [[nodiscard]] int beyond_bare_end(const Index3& voxel) const {

@@ -84,10 +84,12 @@ int count_around(const Band& band, Lane voxel, const IsMarked& is_marked) {
   return count;
 }
 
+bool is_among(const std::vector<std::uint8_t>& voxels, Lane v) {
+  return Band::has(voxels[static_cast<std::size_t>(v / kLanes)], v % kLanes);
+}
+
 std::vector<std::uint8_t> without_single_voxels(const Band& band, const std::vector<std::uint8_t>& thin) {
-  const auto is_thin = [&](Lane v) {
-    return Band::has(thin[static_cast<std::size_t>(v / kLanes)], v % kLanes);
-  };
+  const auto is_thin = [&](Lane v) { return is_among(thin, v); };
   std::vector<std::uint8_t> kept = thin;
   for_each_segment_block(band.end(), [&](int begin, int end) {
     for (int s = begin; s < end; ++s) {
@@ -121,9 +123,7 @@ std::vector<std::uint8_t> with_rims(const Band& band, const std::vector<std::uin
   for (int s = 1; s < band.end(); ++s)
     all[static_cast<std::size_t>(s)] = {band.faces(s, 0), band.faces(s, 1), band.faces(s, 2)};
   const std::vector<std::uint8_t> runs = thin_runs(band, all);
-  const auto is_thin = [&](Lane v) {
-    return Band::has(thin[static_cast<std::size_t>(v / kLanes)], v % kLanes);
-  };
+  const auto is_thin = [&](Lane v) { return is_among(thin, v); };
   std::vector<std::uint8_t> marked = thin;
   for_each_segment_block(band.end(), [&](int begin, int end) {
     for (int s = begin; s < end; ++s) {

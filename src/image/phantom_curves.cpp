@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lumesh/core/even_places.hpp"
 #include "phantom_impl.hpp"
 
 namespace lumesh {
@@ -41,16 +42,11 @@ std::vector<AxisPoint> resample(const std::vector<AxisPoint>& axis, double step_
   std::vector<double> length = {0};
   for (std::size_t i = 1; i < axis.size(); ++i)
     length.push_back(length.back() + (axis[i].centre - axis[i - 1].centre).norm());
-  const int steps = std::max(1, static_cast<int>(std::round(length.back() / step_mm)));
+  const auto steps = static_cast<std::size_t>(std::max(1.0, std::round(length.back() / step_mm)));
   std::vector<AxisPoint> even;
-  std::size_t leg = 1;
-  for (int s = 0; s <= steps; ++s) {
-    const double at = length.back() * s / steps;
-    while (leg + 1 < axis.size() && length[leg] < at) ++leg;
-    const double span = length[leg] - length[leg - 1];
-    const double t = span > 0 ? std::clamp((at - length[leg - 1]) / span, 0.0, 1.0) : 0.0;
-    even.push_back({axis[leg - 1].centre + t * (axis[leg].centre - axis[leg - 1].centre),
-                    axis[leg - 1].radius + t * (axis[leg].radius - axis[leg - 1].radius)});
+  for (const PolylinePlace& at : even_places(length, steps, steps + 1)) {
+    const AxisPoint &first = axis[at.leg], &second = axis[at.leg + 1];
+    even.push_back({at.between(first.centre, second.centre), at.between(first.radius, second.radius)});
   }
   return even;
 }

@@ -9,7 +9,7 @@ namespace {
 constexpr unsigned kFaceMasks[4] = {0b111000, 0b100110, 0b010101, 0b001011};
 
 Key edge_midpoint(const Corners& t, std::size_t e) {
-  return midpoint(t[kEdge[e][0]], t[kEdge[e][1]]);
+  return midpoint(t[kTetEdges[e][0]], t[kTetEdges[e][1]]);
 }
 
 /// Replaces one corner, which keeps the orientation while the new one lies on an edge of the old.
@@ -62,25 +62,25 @@ GreenChildren green_children(const Corners& t, unsigned split_edges) {
   if (count <= 2) {
     const auto e = static_cast<std::size_t>(std::countr_zero(split_edges));
     const Key m = edge_midpoint(t, e);
-    for (const std::size_t corner : kEdge[e]) {
+    for (const int corner : kTetEdges[e]) {
       const Corners half = with(t, corner, m);
       if (count == 1) {
         add(half);
         continue;
       }
       const Key n = edge_midpoint(t, 5 - e);
-      for (const std::size_t other : kEdge[5 - e]) add(with(half, other, n));
+      for (const int other : kTetEdges[5 - e]) add(with(half, other, n));
     }
     return out;
   }
-  std::size_t apex = 0;
+  int apex = 0;
   while (kFaceMasks[apex] != split_edges) ++apex;
   Corners middle = t;  // corner i of the face becomes the midpoint of the edge opposite to it
-  for (std::size_t corner = 0; corner < 4; ++corner) {
+  for (int corner = 0; corner < 4; ++corner) {
     if (corner == apex) continue;
     Corners child = t;
     for (const std::size_t e : kFaceEdges[apex]) {
-      const auto [a, b] = kEdge[e];
+      const auto [a, b] = kTetEdges[e];
       if (a == corner) child[b] = edge_midpoint(t, e);
       if (b == corner) child[a] = edge_midpoint(t, e);
       if (a != corner && b != corner) middle[corner] = edge_midpoint(t, e);

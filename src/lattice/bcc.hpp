@@ -11,6 +11,7 @@
 
 #include "lumesh/core/types.hpp"
 #include "lumesh/core/uninitialised.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 
 namespace lumesh::bcc {
 
@@ -59,10 +60,7 @@ inline Key from_morton(Key code) {
   return gather(code) | gather(code >> 1) << kBits | gather(code >> 2) << (2 * kBits);
 }
 
-/// Edge e joins corners kEdge[e][0] and kEdge[e][1]; edges e and 5 - e are opposite.
-inline constexpr std::array<std::array<std::size_t, 2>, 6> kEdge = {
-    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-/// Edges of the face opposite to corner i.
+/// Edges, of kTetEdges, of the face opposite to corner i.
 inline constexpr std::array<std::array<std::size_t, 3>, 4> kFaceEdges = {
     {{3, 4, 5}, {1, 2, 5}, {0, 2, 4}, {0, 1, 3}}};
 

@@ -159,7 +159,7 @@ class Refiner {
     bcc::Lattice& from = leaves_[at(level)];
     split_.insert_all(picked.size(), 2 * picked.size(), [&](std::size_t i, auto& put) {
       const Corners& t = from[picked[i]];
-      for (const auto& [a, b] : bcc::kEdge) put(bcc::midpoint(t[a], t[b]));
+      for (const auto& [a, b] : kTetEdges) put(bcc::midpoint(t[a], t[b]));
     });
     parallel::collect_blocks_into<Corners>(
         leaves_[at(level) + 1], picked.size(), 256,
@@ -210,7 +210,7 @@ class Refiner {
   static unsigned split_edges(const Corners& t, parallel::KeySet::Lookup& split) {
     std::array<Key, 6> middle;
     for (std::size_t e = 0; e < 6; ++e) {
-      middle[e] = bcc::midpoint(t[bcc::kEdge[e][0]], t[bcc::kEdge[e][1]]);
+      middle[e] = bcc::midpoint(t[kTetEdges[e][0]], t[kTetEdges[e][1]]);
       split.prefetch(middle[e]);
     }
     unsigned mask = 0;
@@ -224,7 +224,7 @@ class Refiner {
     std::array<Key, 6> middle;
     for (std::size_t e = 0; e < 6; ++e) {
       if ((mask >> e & 1U) == 0) continue;
-      const auto [a, b] = bcc::kEdge[e];
+      const auto [a, b] = kTetEdges[e];
       middle[e] = bcc::midpoint(t[a], t[b]);
       if (is_split(t[a], middle[e]) || is_split(middle[e], t[b])) return true;
     }
@@ -279,7 +279,7 @@ class Refiner {
     if (closure == bcc::Closure::kRed || (finer_near && split_twice(t, mask))) {
       out.push_back({leaf, parallel::KeySet::kEmpty});
     } else if (closure == bcc::Closure::kSplitThird) {
-      const auto [a, b] = bcc::kEdge[bcc::third_edge(mask)];
+      const auto [a, b] = kTetEdges[bcc::third_edge(mask)];
       out.push_back({leaf, bcc::midpoint(t[a], t[b])});
     }
   }

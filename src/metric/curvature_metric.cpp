@@ -148,6 +148,10 @@ void CurvatureOptions::validate() const {
     throw Error(ErrorKind::kUsage, "the largest size must be above 0, the feature angle also at most 180");
 }
 
+double CurvatureOptions::largest_of(std::span<const Vec3> points) const {
+  return std::isfinite(largest_mm) ? largest_mm : bounding_box(points).sizes().norm();
+}
+
 double CurvatureOptions::size_of(double curvature, double largest) const {
   // By curvatures, not radii: these may be infinite.
   if (chord_mm == 0)
@@ -185,8 +189,7 @@ std::vector<SurfaceCurvature> fit_curvatures(std::span<const Vec3> points,
 std::vector<SymTensor> metric_from_curvature(const TetMesh& mesh, const CurvatureOptions& options) {
   options.validate();
   LUMESH_ASSERT(mesh.is_compact());
-  const double largest =
-      std::isfinite(options.largest_mm) ? options.largest_mm : bounding_box(mesh.points()).sizes().norm();
+  const double largest = options.largest_of(mesh.points());
   const double flat = 1 / (largest * largest);
   std::vector<SymTensor> metric(mesh.vertex_count(), SymTensor::diagonal(flat, flat, flat));
   const SmoothSurface surface = take_apart(mesh, options.feature_angle_deg);

@@ -66,8 +66,7 @@ std::vector<SymTensor> metric_from_curvature(const TetMesh& mesh, const Domain& 
                                              const CurvatureOptions& options) {
   options.validate();
   LUMESH_ASSERT(mesh.is_compact());
-  const double largest =
-      std::isfinite(options.largest_mm) ? options.largest_mm : bounding_box(mesh.points()).sizes().norm();
+  const double largest = options.largest_of(mesh.points());
   const std::vector<Place> places = boundary_places(mesh, domain);
   std::vector<std::optional<SurfaceCurvature>> curvatures(places.size());
   constexpr double kReach = 3;  // Resolutions: as far as the fields of images tell.

@@ -9,9 +9,7 @@
 #include "ellipsoid_search.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/metric/point_tree.hpp"
-#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::metric {
 
@@ -85,19 +83,13 @@ std::vector<SymTensor> metric_from_points(std::span<const Vec3> places, std::spa
   const PointTree tree(set);
   const double floor_mm = options.floor_mm > 0 ? options.floor_mm : median_spacing(set, tree);
   const EllipsoidOptions ellipsoids{options.tolerance, floor_mm};
-  const std::vector<std::uint32_t> order = hilbert_order(places);
   std::vector<SymTensor> metric(places.size());
-  constexpr std::size_t kPlacesAtOnce = 1024;
-  parallel::for_each_block(
-      places.size(), kPlacesAtOnce, [&](std::size_t /*block*/, std::size_t begin, std::size_t end) {
-        NeighbourhoodMetrics metrics(set, tree, k, ellipsoids);
-        for (std::size_t i = begin; i < end; ++i) {
-          const Vec3& place = places[order[i]];
-          metric[order[i]] = options.isotropic
-                                 ? round_metric(std::max(tree.mean_distance(place, k), floor_mm))
-                                 : metrics.at(place);
-        }
-      });
+  for_each_along_curve(places, [&] {
+    return [&, metrics = NeighbourhoodMetrics(set, tree, k, ellipsoids)](std::uint32_t i) mutable {
+      metric[i] = options.isotropic ? round_metric(std::max(tree.mean_distance(places[i], k), floor_mm))
+                                    : metrics.at(places[i]);
+    };
+  });
   return metric;
 }
 

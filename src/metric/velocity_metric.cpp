@@ -13,7 +13,6 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/value_of_rank.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/metric/point_tree.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/key_table.hpp"
@@ -93,17 +92,13 @@ std::vector<VelocityFit> fit(std::span<const Vec3> places, const DistinctSamples
   if (places.empty()) return {};
   require_near_points(places, samples.points);
   const PointTree tree(samples.points);
-  const std::vector<std::uint32_t> order = hilbert_order(places);
   std::vector<VelocityFit> fits(places.size());
-  constexpr std::size_t kPlacesAtOnce = 1024;
-  parallel::for_each_block(places.size(), kPlacesAtOnce,
-                           [&](std::size_t /*block*/, std::size_t begin, std::size_t end) {
-                             std::vector<std::uint32_t> nearest(static_cast<std::size_t>(k));
-                             for (std::size_t i = begin; i < end; ++i) {
-                               tree.nearest(places[order[i]], nearest);
-                               fits[order[i]] = fit_at(places[order[i]], samples, nearest);
-                             }
-                           });
+  for_each_along_curve(places, [&] {
+    return [&, nearest = std::vector<std::uint32_t>(static_cast<std::size_t>(k))](std::uint32_t i) mutable {
+      tree.nearest(places[i], nearest);
+      fits[i] = fit_at(places[i], samples, nearest);
+    };
+  });
   return fits;
 }
 

@@ -36,10 +36,7 @@ std::size_t bucket_size(std::size_t items) {
 
 DelaunayExecution::DelaunayExecution(TetMesh& mesh, const parallel::TeamOptions& team)
     : mesh_(mesh), team_(team), known_(kKnownCells * kKnownCells * kKnownCells, VertexId::kNone) {
-  mesh.set_owners(team_.size(), kSlotBlock);
-  parallel::for_each_index(mesh.vertex_slots(), [&](std::size_t v) {
-    mesh.lock_word(VertexId(static_cast<std::uint32_t>(v))) = parallel::kFreeWord;
-  });
+  share_slots(mesh, team_.size());
   if (team_.size() == 1) {
     alone_.emplace_back(mesh, NoLock(), 0);
     return;

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "lumesh/mesh/tet_mesh.hpp"
+#include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/ordered_tasks.hpp"
 #include "lumesh/parallel/team.hpp"
 #include "lumesh/parallel/word_lock.hpp"
@@ -22,6 +24,14 @@ struct PrioritisedItem {
 };
 [[nodiscard]] inline bool has_higher_priority(const PrioritisedItem& a, const PrioritisedItem& b) {
   return a.priority > b.priority;
+}
+
+/// Shares the slots of a mesh among threads; no vertex is held.
+inline void share_slots(TetMesh& mesh, int threads) {
+  mesh.set_owners(threads, kSlotBlock);
+  parallel::for_each_index(mesh.vertex_slots(), [&](std::size_t v) {
+    mesh.lock_word(VertexId(static_cast<std::uint32_t>(v))) = parallel::kFreeWord;
+  });
 }
 
 /// Runs attempts at items in buckets of `size` on the threads of a team; what contends is tried again.

@@ -35,10 +35,7 @@ SpeculativeExecution::SpeculativeExecution(const Subject& subject, const paralle
 void SpeculativeExecution::reorder() {
   TetMesh& mesh = subject_.mesh;
   mesh.reorder_along_curve();
-  mesh.set_owners(team_.size(), kSlotBlock);
-  parallel::for_each_index(mesh.vertex_slots(), [&](std::size_t v) {
-    mesh.lock_word(VertexId(static_cast<std::uint32_t>(v))) = parallel::kFreeWord;
-  });
+  share_slots(mesh, team_.size());
   stamp_ = 0;
 }
 

@@ -69,12 +69,9 @@ std::vector<std::array<std::int32_t, 3>> corners_of(std::span<const VoxelFace> f
 template <class MakeItem>
 std::vector<WeightedValue> distances_to(const TriangleTree& tree, std::size_t count, const MakeItem& item) {
   std::vector<WeightedValue> values(count);
-  parallel::for_each_block(count, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
-    Nearby nearby(tree);
-    for (std::size_t i = begin; i < end; ++i) {
-      values[i] = item(i);
-      values[i].value = nearby.distance(values[i].place_mm);
-    }
+  for_each_nearby(tree, count, [&](Nearby& nearby, std::size_t i) {
+    values[i] = item(i);
+    values[i].value = nearby.distance(values[i].place_mm);
   });
   return values;
 }

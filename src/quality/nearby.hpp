@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::quality {
 
@@ -29,5 +30,15 @@ class Nearby {
   Vec3 last_ = Vec3::Zero();
   double last_distance_ = std::numeric_limits<double>::infinity();
 };
+
+/// Calls visit(nearby, i) for all i < count in parallel; consecutive ones shall be near each other.
+template <class Visit>
+void for_each_nearby(const TriangleTree& tree, std::size_t count, const Visit& visit) {
+  constexpr std::size_t kBlock = 1024;
+  parallel::for_each_block(count, kBlock, [&](std::size_t /*block*/, std::size_t begin, std::size_t end) {
+    Nearby nearby(tree);
+    for (std::size_t i = begin; i < end; ++i) visit(nearby, i);
+  });
+}
 
 }  // namespace lumesh::quality

@@ -120,9 +120,8 @@ KeptVoxels measured(const KeptTally& tally, std::span<const Vec3> points,
   if (tally.missed.empty() || boundary.empty()) return result;
   std::vector<double> distances_mm(tally.missed.size());
   const TriangleTree tree(points, boundary);
-  parallel::for_each_block(tally.missed.size(), 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
-    Nearby nearby(tree);
-    for (std::size_t i = begin; i < end; ++i) distances_mm[i] = nearby.distance(tally.missed[i].centre_mm);
+  for_each_nearby(tree, distances_mm.size(), [&](Nearby& nearby, std::size_t i) {
+    distances_mm[i] = nearby.distance(tally.missed[i].centre_mm);
   });
   for (std::size_t i = 0; i < distances_mm.size(); ++i) {
     if (distances_mm[i] <= kOnBoundary * voxel_size_mm)

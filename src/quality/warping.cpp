@@ -92,10 +92,7 @@ class PointGrid {
   [[nodiscard]] std::size_t brick_at(const Index3& p) const {
     return grid_offset(bricks_, (p - low_) / kEdge);
   }
-  [[nodiscard]] std::size_t within(const Index3& p) const {
-    const Index3 v = p - low_;
-    return static_cast<std::size_t>(v.x() % kEdge + kEdge * (v.y() % kEdge + kEdge * (v.z() % kEdge)));
-  }
+  [[nodiscard]] std::size_t within(const Index3& p) const { return offset_in_brick(p - low_, kEdge); }
 
   Index3 low_ = Index3::Zero(), bricks_ = Index3::Zero();
   bool fits_ = false;
@@ -192,14 +189,11 @@ class Warping {
   }
 
   void set_voxels(const VoxelBox& box) {
-    for (int k = box.low.z(); k < box.high.z(); ++k)
-      for (int j = box.low.y(); j < box.high.y(); ++j)
-        for (int i = box.low.x(); i < box.high.x(); ++i) {
-          if (image_.label_at({i, j, k}) != difference_.label) continue;
-          for (int m = 0; m < n_ * n_ * n_; ++m)
-            raise(grid_.made(n_ * Index3(i, j, k) + Index3(m % n_, m / n_ % n_, m / n_ / n_)),
-                  PointGrid::kHas);
-        }
+    for_each_place(box.low, box.high - Index3::Ones(), [&](const Index3& v) {
+      if (image_.label_at(v) != difference_.label) return;
+      for (int m = 0; m < n_ * n_ * n_; ++m)
+        raise(grid_.made(n_ * v + Index3(m % n_, m / n_ % n_, m / n_ / n_)), PointGrid::kHas);
+    });
   }
 
   void raise(std::size_t number, PointGrid::Bit bit) {

@@ -49,6 +49,13 @@ void for_each_step_from_row(const Index3& size, std::size_t row, const Visit& vi
     for (std::size_t i = row * x; i < row * x + counts[axis]; ++i) visit(i, i + steps[axis], axis);
 }
 
+/// The number of a place within its brick, of bricks of edge^3 places from the grid's first one on.
+[[nodiscard]] inline std::size_t offset_in_brick(const Index3& place, int edge) {
+  const auto within = [edge](int x) { return static_cast<std::size_t>(x % edge); };
+  const auto n = static_cast<std::size_t>(edge);
+  return within(place.x()) + n * (within(place.y()) + n * within(place.z()));
+}
+
 /// Places of a grid, both corners included.
 struct IndexBox {
   Index3 low, high;
@@ -67,6 +74,16 @@ void for_each_place(const Index3& low, const Index3& high, const Visit& visit) {
   for (int k = low.z(); k <= high.z(); ++k)
     for (int j = low.y(); j <= high.y(); ++j)
       for (int i = low.x(); i <= high.x(); ++i) visit(Index3(i, j, k));
+}
+
+/// True if has(place) is true for a place of a box, `high` included; the first one ends the search.
+template <class Has>
+[[nodiscard]] bool is_any_place(const Index3& low, const Index3& high, const Has& has) {
+  for (int k = low.z(); k <= high.z(); ++k)
+    for (int j = low.y(); j <= high.y(); ++j)
+      for (int i = low.x(); i <= high.x(); ++i)
+        if (has(Index3(i, j, k))) return true;
+  return false;
 }
 
 }  // namespace lumesh

@@ -2,6 +2,7 @@
 /// @file Options of the sources that a metric is made of.
 
 #include <limits>
+#include <span>
 
 namespace lumesh {
 class OptionList;
@@ -62,6 +63,8 @@ struct CurvatureOptions {
   /// The wanted size along an arc of this curvature (>= 0): 2 sqrt(chord (2 R - chord)) of the radius R, the
   /// chord whose middle stands off by chord_mm, and 2 R at most; or R / edges_per_radius; at most `largest`.
   [[nodiscard]] double size_of(double curvature, double largest) const;
+  /// largest_mm, or the diagonal of the box around these points.
+  [[nodiscard]] double largest_of(std::span<const Vec3> points) const;
 };
 
 }  // namespace lumesh::metric

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::metric {
 
@@ -45,5 +47,18 @@ void require_as_many(std::size_t count, std::size_t k);
 /// @throws Error{kBadInput} that says both boxes, unless a point lies about the places: within one diagonal
 /// of their box. Else unit or frame are probably wrong.
 void require_near_points(std::span<const Vec3> places, std::span<const Vec3> points);
+
+/// Calls work(i) for all places in parallel, those near each other one after the other.
+/// @param make_work  Gives the work of a block of places, with its own memory.
+template <class MakeWork>
+void for_each_along_curve(std::span<const Vec3> places, const MakeWork& make_work) {
+  constexpr std::size_t kPlacesAtOnce = 1024;
+  const std::vector<std::uint32_t> order = hilbert_order(places);
+  parallel::for_each_block(places.size(), kPlacesAtOnce,
+                           [&](std::size_t /*block*/, std::size_t begin, std::size_t end) {
+                             auto work = make_work();
+                             for (std::size_t i = begin; i < end; ++i) work(order[i]);
+                           });
+}
 
 }  // namespace lumesh::metric

@@ -9,6 +9,7 @@
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/even_places.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/core/nearest_word.hpp"
@@ -88,6 +89,29 @@ TEST(DisjointSets, AreRepresentedByTheirLowestNumber) {
   for (const auto& [x, lowest] :
        std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 0}, {1, 1}, {2, 2}, {3, 2}, {4, 1}, {5, 1}})
     EXPECT_EQ(sets.find(x), lowest);
+}
+
+TEST(EvenPlaces, DivideAPolylineIntoPartsOfOneLength) {
+  const std::vector<double> lengths = {0, 1, 1, 4};
+  const std::vector<PolylinePlace> places = even_places(lengths, 2, 3);
+  ASSERT_EQ(places.size(), 3U);
+  EXPECT_EQ(places[0].leg, 0U);
+  EXPECT_EQ(places[0].share, 0);
+  EXPECT_EQ(places[1].leg, 2U);  // Not the leg without length.
+  EXPECT_DOUBLE_EQ(places[1].between(10.0, 40.0), 20);
+  EXPECT_EQ(places[2].leg, 2U);
+  EXPECT_EQ(places[2].share, 1);
+}
+
+TEST(Grid, BricksNumberTheirPlacesAndSearchesEndAtTheFirst) {
+  EXPECT_EQ(offset_in_brick(Index3(4, 9, 14), 4), 0U + 4 * 1 + 16 * 2);
+  int asked = 0;
+  EXPECT_TRUE(is_any_place(Index3(0, 0, 0), Index3(2, 2, 2), [&](const Index3& place) {
+    ++asked;
+    return place == Index3(1, 1, 0);
+  }));
+  EXPECT_EQ(asked, 5);
+  EXPECT_FALSE(is_any_place(Index3(1, 0, 0), Index3(0, 5, 5), [](const Index3&) { return true; }));
 }
 
 TEST(SpokenNumber, IsAWordWhereThereIsOneAndElseItsDigits) {

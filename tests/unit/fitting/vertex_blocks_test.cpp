@@ -71,7 +71,7 @@ TEST(VertexBlocks, NoTetrahedronJoinsTwoBlocksThatMoveTogether) {
     EXPECT_EQ(found, vertices) << "each vertex is in one block";
     const auto places = places_in(blocks, mesh.positions.size());
     for (const Corner4& t : mesh.tets) {
-      for (const auto& [i, j] : bcc::kEdge) EXPECT_FALSE(may_move_together(places[t[i]], places[t[j]]));
+      for (const auto& [i, j] : kTetEdges) EXPECT_FALSE(may_move_together(places[t[i]], places[t[j]]));
     }
   }
 }

@@ -37,7 +37,7 @@ std::vector<Corners> all_directions(int half) {
 void expect_lattice_tetrahedron(const Corners& t, double half) {
   const auto p = points_of(t);
   for (std::size_t e = 0; e < 6; ++e) {
-    const double squared = (p[bcc::kEdge[e][0]] - p[bcc::kEdge[e][1]]).squaredNorm();
+    const double squared = (p[kTetEdges[e][0]] - p[kTetEdges[e][1]]).squaredNorm();
     EXPECT_EQ(squared, (e == 0 || e == 5 ? 4 : 3) * half * half) << "edge " << e;
   }
   EXPECT_DOUBLE_EQ(signed_volume(p), 2 * half * half * half / 3) << "a twelfth of the cube";
@@ -139,7 +139,7 @@ TEST(Bcc, GreenChildrenFillTheParentAndUseNothingButSplitEdges) {
       std::set<Key> allowed(parent.begin(), parent.end()), used;
       for (std::size_t e = 0; e < 6; ++e) {
         if ((mask >> e & 1U) != 0)
-          allowed.insert(bcc::midpoint(parent[bcc::kEdge[e][0]], parent[bcc::kEdge[e][1]]));
+          allowed.insert(bcc::midpoint(parent[kTetEdges[e][0]], parent[kTetEdges[e][1]]));
       }
       for (std::size_t i = 0; i < green.count; ++i) used.insert(green.items[i].begin(), green.items[i].end());
       EXPECT_EQ(used, allowed) << "mask " << mask;

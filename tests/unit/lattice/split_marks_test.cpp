@@ -60,7 +60,7 @@ TEST(SplitMarks, NoLeafNextToASplitOneOfItsLevelOrAFinerOneIsOverlooked) {
     int touching = 0, unmarked = 0;
     for (std::size_t n = 0; n < 40; ++n) {
       const Leaf& split = leaves[n];
-      const auto& [first, second] = bcc::kEdge[random() % 6];
+      const auto& [first, second] = kTetEdges[random() % 6];
       const bcc::Key edge = bcc::midpoint(split.corners[first], split.corners[second]);
       const bool whole = n % 2 == 0;  // or one of its edges
       marks.note(whole ? split.middle() : edge, split.level);
