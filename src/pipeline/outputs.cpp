@@ -19,6 +19,7 @@
 #include "lumesh/report/layers_report.hpp"
 #include "lumesh/report/stage_parts.hpp"
 #include "lumesh/stages/evaluation_stage.hpp"
+#include "lumesh/stages/mesh_output.hpp"
 
 namespace lumesh::pipeline {
 namespace {
@@ -189,6 +190,7 @@ std::vector<report::OutputFile> write_meshes(const CaseState& state, const std::
   std::vector<report::OutputFile> files;
   for (const std::string& name : output.meshes) {
     state.context.phase("write", [&] { write_mesh(folder / name, view); });
+    warn_of_names(folder / name, view, state.context);
     files.push_back({name, report::kMeshWords});
   }
   if (!output.surface.empty()) {

@@ -50,6 +50,7 @@ MixedMesh convert_mesh(const ConversionRequest& request, Context& context) {
                     [&] { return part_of(mesh, labels_called(mesh, separate(request.only_labels))).mesh; });
     });
   write_mesh(request.output, mesh.view(), context);
+  warn_of_names(request.output.mesh, mesh.view(), context);
   if (mesh.view().cell_count() > 0) warn_of_faults(request.from, mesh.view(), context);
   return mesh;
 }
@@ -73,6 +74,7 @@ RenamedMesh rename_mesh(const RenamingRequest& request, Context& context) {
     rename_patches(made.mesh.info, made.renamings);
   });
   write_results(context, [&] { write_mesh(request.to, made.mesh.view()); });
+  warn_of_names(request.to, made.mesh.view(), context);
   warn_of_faults(request.from, made.mesh.view(), context);
   return made;
 }

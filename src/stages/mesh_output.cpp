@@ -9,6 +9,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/write_results.hpp"
 #include "lumesh/mesh/length_unit.hpp"
+#include "lumesh/mesh/patch_words.hpp"
 #include "lumesh/quality/faults.hpp"
 
 namespace lumesh {
@@ -25,8 +26,22 @@ void describe_surface_output(OptionList& list, std::string& path) {
   list.path("surface", path, "Also write the boundary alone").of_files(FileUse::kWriteSurface);
 }
 
+void warn_of_names(const std::string& path, const MeshView& mesh, const Context& context) {
+  if (!is_for(path, FileUse::kWordNames)) return;
+  PatchWords words;
+  std::string told;
+  for (std::size_t p = 0; p < mesh.info->patches.size(); ++p) {
+    const std::string& name = mesh.info->patches[p].name;
+    const std::string& word = words.add(name, fmt::format("patch_{}", p + 1));
+    if (word != name) told += fmt::format("{}\"{}\" is {}", told.empty() ? "" : ", ", name, word);
+  }
+  if (told.empty()) return;
+  context.warn(path + ": names of patches keep ASCII's letters, digits and _ - . only: " + told);
+}
+
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,
                    const std::string& besides, const MeshView* made_from) {
+  warn_of_names(path, mesh, context);
   const std::vector<std::string> faults =
       context.phase("validity", [&] { return quality::find_faults(mesh); });
   if (faults.empty()) return;

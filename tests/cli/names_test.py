@@ -228,6 +228,17 @@ class NamesTest(ProgramTest):
         self.run_well("convert", self.inputs / "volume.vtu", out, "--msh-version", "2.2")
         self.assert_patches(patch_files.read_gmsh(out), "names", 1)
 
+    def test_a_name_that_a_solver_would_not_take_is_told(self):
+        odd = self.folder / "odd.msh"
+        self.run_well("convert", self.inputs / "volume.vtu", odd, "--msh-version", "2.2")
+        names = list(patch_files.read_gmsh(odd))
+        odd.write_bytes(odd.read_bytes().replace(f'"{names[0]}"'.encode(), b'"dome wall"'))
+        for out in ("odd.foam", "odd-mesh-complete"):
+            told = self.run_well("convert", odd, self.scratch(out)).stderr
+            self.assertIn('"dome wall" is dome_wall', told)
+            self.assertEqual(told.count('" is '), 1, told)
+        self.assertNotIn("dome_wall", self.run_well("convert", odd, self.folder / "odd.vtu").stderr)
+
     def test_models_of_simvascular_keep_their_face_ids(self):
         models = sorted(TAGGED.glob("*.vtp")) if TAGGED.is_dir() else []
         if not models:

@@ -12,6 +12,7 @@ enum class FileUse : std::uint8_t {
   kWriteVolume,   ///< Writing of the volume, not the boundary alone.
   kWriteMixed,    ///< Such a volume of prisms and pyramids, too, not of tetrahedra alone.
   kWriteSurface,  ///< write_surface().
+  kWordNames,     ///< Writing where names of patches become words (mesh/patch_words.hpp).
   kWriteSingle,   ///< Writing where places are rounded to single precision.
   kLabelAlias,    ///< MeshWriteOptions::compat.
   kPatchArray,    ///< Reading of patches by an array that is named.

@@ -22,6 +22,9 @@ void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context
 /// The option for the path of a boundary alone.
 void describe_surface_output(OptionList& list, std::string& path);
 
+/// Warns of names of patches that the format of the file writes otherwise, as OpenFOAM and SimVascular need.
+void warn_of_names(const std::string& path, const MeshView& mesh, const Context& context);
+
 /// Looks at a mesh that was written, quickly.
 /// @param besides  What else has to be said then. @param made_from  The mesh that it was made from, if any,
 /// which may have had faults before.
