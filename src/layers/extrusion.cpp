@@ -26,6 +26,7 @@
 #include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/mesh/edge_loops.hpp"
 #include "lumesh/mesh/tetrahedral_split.hpp"
+#include "wall_ramp.hpp"
 
 namespace lumesh {
 namespace {
@@ -48,7 +49,13 @@ struct SweptSection {
   double transition_mm = 0;
   std::vector<double> of_circle = {};
   bool is_clear = true;  // Whether the walls say the axis.
+  WallRamp ramp = {Vec3::UnitZ(), 1};
 
+  /// The place of a vertex that has gone so far along the axis.
+  [[nodiscard]] Vec3 swept(const Vec3& point, std::uint32_t v, double along_mm) const {
+    const Vec3 place = point + towards_circle(point, v, along_mm);
+    return place + ramp.displacement(place - centre_mm, along_mm) + along_mm * axis;
+  }
   /// The way that a vertex goes across the axis until so far along it.
   [[nodiscard]] Vec3 towards_circle(const Vec3& point, std::uint32_t v, double along_mm) const {
     if (of_circle.empty()) return Vec3::Zero();
@@ -232,6 +239,18 @@ class Extruder {
     Vec3 along = Vec3::Zero();
     double left = std::numeric_limits<double>::infinity();  // R.m.s. of the equations; infinite: left open.
   };
+  /// Calls a function with the places of walls at most so deep before a section, from its centre, and their
+  /// unit normals and areas.
+  template <class Function>
+  void for_each_wall_before(const SweptSection& s, double depth_mm, const Function& function) const {
+    for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
+      if (patch(p).kind != PatchKind::kWall) return;
+      const Vec3 off = middle_of(face) - s.centre_mm;
+      if (std::abs(off.dot(s.normal)) > depth_mm || off.norm() > 1.5 * s.reach_mm) return;
+      const Vec3 normal = area_normal(face);
+      if (const double area = normal.norm(); area > 0) function(off, Vec3(normal / area), area);
+    });
+  }
   /// Direction of a vessel that bends and widens evenly before the section, with the normal N of the section:
   /// all wall normals n at depth d have n (N + t + d b) = c + d e, solved for t, b, c and e by least squares
   /// over the walls at most so deep. Derived in docs/stages/layers.md, "Direction of an opening's vessel".
@@ -242,15 +261,8 @@ class Extruder {
     Eigen::Matrix<double, 6, 6> sums = Eigen::Matrix<double, 6, 6>::Zero();
     Vec6 right = Vec6::Zero();
     double area = 0, squares = 0;
-    for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
-      if (patch(p).kind != PatchKind::kWall) return;
-      const Vec3 off = middle_of(face) - s.centre_mm;
+    for_each_wall_before(s, depth_mm, [&](const Vec3& off, const Vec3& n, double weight) {
       const double depth = -off.dot(s.normal) / depth_mm;
-      if (std::abs(depth) > 1 || off.norm() > 1.5 * s.reach_mm) return;
-      const Vec3 normal = area_normal(face);
-      const double weight = normal.norm();
-      if (weight == 0) return;
-      const Vec3 n = normal / weight;
       Vec6 row;
       row << n.dot(u), n.dot(v), depth * n.dot(u), depth * n.dot(v), -1, -depth;
       const double given = -n.dot(s.normal);
@@ -310,6 +322,8 @@ class Extruder {
     const double cosine = s.axis.dot(s.normal);
     const double slant_mm = s.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine));
     const double min_mm = slant_mm + kLowestRow * s.edge_mm;
+    find_circle(s);
+    find_ramp(s, std::max(length_mm, min_mm) - slant_mm);
     const std::optional<Hit> hit = first_hit(s, std::max(length_mm, min_mm) + s.radius_mm);
     double given_mm = std::max(length_mm, min_mm);
     if (hit) given_mm = std::min(given_mm, hit->along_mm - s.radius_mm);
@@ -325,8 +339,27 @@ class Extruder {
     }
     if (given_mm == 0) return;
     if (mesh().view().cell_count() > 0) find_labels(s);
-    find_circle(s);
+    s.ramp.set_length(std::min(s.ramp.length_mm(), given_mm - slant_mm));
     sweep(s, given_mm);
+  }
+
+  /// The slopes are those of the first one or two rings of the wall: further in it may taper otherwise.
+  void find_ramp(SweptSection& s, double most_mm) const {
+    constexpr double kRadii = 1.5, kDepth = 0.15, kRows = 1.25;
+    constexpr double kMaxFold = 0.75;  // At 1 the section might fold on its way.
+    if (!s.is_clear) return;
+    WallRamp ramp(s.axis, s.reach_mm);
+    for_each_wall_before(
+        s, std::max(kDepth * s.reach_mm, kRows * row_height_mm(s)),
+        [&](const Vec3& off, const Vec3& normal, double area) { ramp.add_wall(off, normal, area); });
+    ramp.fit();
+    ramp.set_length(std::min(kRadii * s.radius_mm, most_mm));
+    double steepest = 0;
+    for (const std::uint32_t v : s.vertices)
+      steepest = std::max(steepest, ramp.slope(point(v) - s.centre_mm).norm());
+    const double cosine = s.axis.dot(s.normal), lean = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
+    ramp.flatten(std::max({1.0, steepest / kSteepest, (ramp.strain() + lean * steepest) / kMaxFold}));
+    s.ramp = ramp;
   }
 
   /// Rays from the centre to the vertices, until the rim, along which the section is scaled to a circle.
@@ -393,7 +426,8 @@ class Extruder {
   /// Where along the axis another part of the boundary is nearer than an edge.
   [[nodiscard]] std::optional<Hit> first_hit(const SweptSection& s, double last_mm) const {
     const Vec3 u = s.axis.unitOrthogonal(), v = s.axis.cross(u);
-    const double half_width_mm = s.reach_mm + s.edge_mm;  // Of what a square column around the axis holds.
+    const double half_width_mm =  // Of what a square column around the axis holds.
+        s.reach_mm + WallRamp::kHighest * kSteepest * s.ramp.length_mm() + s.edge_mm;
     const auto is_in_way = [&](std::span<const std::uint32_t> face) {
       bool is_beyond = false;
       Vec2 least = Vec2::Constant(half_width_mm), most = -least;
@@ -415,7 +449,7 @@ class Extruder {
     const TriangleTree tree(mesh().points, beyond);
     for (double along_mm = 0; along_mm < last_mm + s.edge_mm; along_mm += 0.5 * s.edge_mm)
       for (const std::uint32_t v : s.vertices)
-        if (const auto found = tree.nearest(point(v) + along_mm * s.axis, s.edge_mm);
+        if (const auto found = tree.nearest(s.swept(point(v), v, along_mm), s.edge_mm);
             found.triangle != TriangleTree::kNone)
           return Hit{along_mm, found.point};
     return std::nullopt;
@@ -471,7 +505,7 @@ class Extruder {
       for (const std::uint32_t v : s.vertices) {
         const double way_mm = static_cast<double>(row) / static_cast<double>(rows) *
                               (length_mm - (m.points[v] - s.centre_mm).dot(s.axis));
-        m.points.push_back(m.points[v] + way_mm * s.axis + s.towards_circle(m.points[v], v, way_mm));
+        m.points.push_back(s.swept(m.points[v], v, way_mm));
         if (!m.metric.empty()) m.metric.push_back(m.metric[v]);
         if (!m.sizes_mm.empty()) m.sizes_mm.push_back(m.sizes_mm[v]);
       }
@@ -563,7 +597,9 @@ class Extruder {
         for (std::uint32_t& v : m.quadrilaterals[q]) v = vertex(s, v, rows);
   }
 
-  static constexpr double kMaxRowOfRadius = 0.5;  // Ramps to a circle are smooth then.
+  static constexpr double kSteepest =
+      0.36;  // Tangent of 20 degrees: steeper walls keep a crease of the rest.
+  static constexpr double kMaxRowOfRadius = 0.25;  // Ramps, and those to a circle, are smooth then.
 
   LayerCells cells_;
   std::optional<LocalLength> transition_;

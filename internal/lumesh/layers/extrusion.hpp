@@ -23,11 +23,12 @@ struct ExtrudedMesh {
 /// the opening: normals n of the walls at depth d before it have n (N + t + d b) = c + d e, with the normal N
 /// of the opening, where the vessel bends and widens evenly; t, b, c and e are fitted to the walls as deep as
 /// the opening reaches, or half as deep where those fit better. It is the normal within 4.5 degrees of it,
-/// and, with a note, where nothing fits. "5r" are radii of the lumen where a wall goes on with it, or alone.
-/// Cells have the labels of those they stand on, sides the patches of the faces they go on from; the end is
-/// flat, square to the axis, and is the opening. Rows are as high as the mean edge of the opening. One that
-/// would come nearer than an edge to another part of the boundary ends one radius before, with a note. Metric
-/// and wanted sizes are carried along.
+/// and, with a note, where nothing fits. Walls that taper or lean against it by up to 20 degrees go on
+/// without a crease, and straight from 1.5 radii on. "5r" are radii of the lumen where a wall goes on with
+/// it, or alone. Cells have the labels of those they stand on, sides the patches of the faces they go on
+/// from; the end is flat, square to the axis, and is the opening. Rows are as high as the mean edge of the
+/// opening. One that would come nearer than an edge to another part of the boundary ends one radius before,
+/// with a note. Metric and wanted sizes are carried along.
 ///
 /// A surface without cells gets sides alone, and stays closed.
 ///

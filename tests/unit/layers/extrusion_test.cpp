@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "fixtures/meshes.hpp"
 #include "fixtures/mixed_meshes.hpp"
@@ -61,6 +63,69 @@ TEST(ExtrudeOpenings, AddsStraightTubesAndLeavesTheRest) {
     }
     const double rim = 2 * fixtures::kPi * fixtures::kTubeRadius;
     EXPECT_NEAR((area_of(mesh, "wall") - area_of(before, "wall")) / (rim * 30), 1, 0.02);
+  }
+}
+
+/// A tube along z of radius 10 at the plane z = -0.5, narrower or wider and aside before it.
+MixedMesh tapered_tube(double taper, double lean) {
+  MixedMesh mesh = fixtures::copy_of(fixtures::tube());
+  const Vec3 middle = middle_of(mesh, "inlet_1");
+  for (Vec3& p : mesh.points) {
+    const double along = p.z() - middle.z(), wider = 1 + taper / fixtures::kTubeRadius * along;
+    p = {middle.x() + wider * (p.x() - middle.x()) + lean * along, middle.y() + wider * (p.y() - middle.y()),
+         p.z()};
+  }
+  return mesh;
+}
+
+/// Mean angle at the plane through the opening that was, of mean normals of the wall over eighths around it.
+double turned_at_seam_deg(const MixedMesh& mesh, const Vec3& middle, double edge_mm) {
+  constexpr std::size_t kParts = 8;
+  std::array<Vec3, kParts> behind{}, beyond{};
+  behind.fill(Vec3::Zero());
+  beyond.fill(Vec3::Zero());
+  for_each_patch_triangle(mesh.view(), [&](const Cell<3>& c, std::int32_t p) {
+    if (mesh.info.patches[static_cast<std::size_t>(p)].kind != PatchKind::kWall) return;
+    const Vec3 &a = mesh.points[c[0]], &b = mesh.points[c[1]], &d = mesh.points[c[2]];
+    const Vec3 off = (a + b + d) / 3 - middle;
+    if (std::abs(off.z()) > edge_mm) return;
+    const double turn = std::atan2(off.y(), off.x()) / (2 * fixtures::kPi) + 0.5;
+    (off.z() > 0 ? behind : beyond)[static_cast<std::size_t>(turn * kParts) % kParts] += (b - a).cross(d - a);
+  });
+  double sum_deg = 0;
+  for (std::size_t i = 0; i < kParts; ++i)
+    sum_deg += std::acos(std::min(1.0, behind[i].normalized().dot(beyond[i].normalized())));
+  return sum_deg / kParts * 180 / fixtures::kPi;
+}
+
+TEST(ExtrudeOpenings, GoesOnSmoothlyFromWallsThatTaperOrLean) {
+  for (const auto& [taper, lean] : {std::pair(0.12, 0.0), std::pair(-0.1, 0.0), std::pair(0.08, 0.06)}) {
+    const MixedMesh before = tapered_tube(taper, lean);
+    const Vec3 middle = middle_of(before, "inlet_1");
+    for (const LayerCells cells : {LayerCells::kTetrahedra, LayerCells::kPrisms}) {
+      const MixedMesh mesh =
+          extrude_openings(before, named_lengths_from("inlet_1=5r,outlet_1=0"), cells).mesh;
+      EXPECT_LT(turned_at_seam_deg(mesh, middle, 1), 3) << taper << ' ' << lean;
+      expect_begins_with(mesh.points, before.points);
+      fixtures::expect_conforming(mesh);
+      for (const auto& prism : mesh.prisms) ASSERT_FALSE(has_turned_corner(mesh.points, prism));
+      for (const auto& tet : mesh.tetrahedra) ASSERT_FALSE(has_turned_corner(mesh.points, tet));
+      const double area = area_of(before, "inlet_1");
+      EXPECT_NEAR(area_of(mesh, "inlet_1") / area, 1, 1e-9);
+      EXPECT_NEAR(middle.z() - middle_of(mesh, "inlet_1").z(), 5 * std::sqrt(area / fixtures::kPi), 1e-6);
+    }
+  }
+}
+
+// A flare keeps most of its crease rather than that its section shrinks to nothing or turns over.
+TEST(ExtrudeOpenings, CellsOfSteepWallsStayValid) {
+  for (const double taper : {-0.19, 1.2}) {
+    const MixedMesh before = tapered_tube(taper, 0);
+    const MixedMesh mesh =
+        extrude_openings(before, named_lengths_from("inlet_1=5r,outlet_1=0"), LayerCells::kPrisms).mesh;
+    fixtures::expect_conforming(mesh);
+    for (const auto& prism : mesh.prisms) ASSERT_FALSE(has_turned_corner(mesh.points, prism));
+    EXPECT_NEAR(area_of(mesh, "inlet_1") / area_of(before, "inlet_1"), 1, 1e-9);
   }
 }
 
