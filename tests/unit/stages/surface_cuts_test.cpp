@@ -362,6 +362,25 @@ TEST_F(SurfaceCuts, ExtensionsKeepOffOtherVessels) {
   EXPECT_EQ(domain_of(longer, {})->flat_ends().size(), 2U);
 }
 
+// The wall widens by 17 degrees: the extension bulges by 0.13 mm where a straight one would pass by.
+TEST_F(SurfaceCuts, ExtensionsOfWallsThatWidenKeepOffToo) {
+  for (const bool widens : {false, true}) {
+    Tube tube;
+    tube.length_mm = 5;
+    TriangleSoup vessels = soup_of(tube);
+    for (Vec3& p : vessels.points) p.head<2>() *= widens ? 1 - 0.15 * p.z() : 1.0;
+    const auto first = static_cast<std::uint32_t>(vessels.points.size());
+    const TriangleSoup ball = icosphere(3, 0.5);
+    for (const Vec3& p : ball.points) vessels.points.emplace_back(p + Vec3(2.94, 0, -1));
+    for (const auto& [a, b, c] : ball.triangles)
+      vessels.triangles.push_back({a + first, b + first, c + first});
+    InputCuts cuts;
+    cuts.extension.lengths = named_lengths_from("inlet_1=5r");
+    static_cast<void>(read(vessels, cuts));
+    EXPECT_EQ(told_.size(), widens ? 1U : 0U);
+  }
+}
+
 TEST_F(SurfaceCuts, WithoutAFlatEndNothingIsExtended) {
   InputCuts cuts;
   cuts.extension.lengths = named_lengths_from("5r");
