@@ -307,6 +307,7 @@ std::string repair_json(const RepairOutcome& outcome, const CommandNotes& notes)
                      {"flipped_edges", r.flipped_edges},
                      {"holes", r.holes},
                      {"widest_hole_mm", r.widest_hole_mm},
+                     {"moved_vertices", r.moved_vertices},
                      {"rounds", r.rounds},
                      {"removed_triangles", r.removed_triangles},
                      {"new_triangles", r.new_triangles},

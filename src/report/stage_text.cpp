@@ -76,6 +76,7 @@ std::string text_of_repairs(const RepairOutcome& outcome) {
   line(r.turned_triangles, "triangles turned");
   line(r.flipped_edges, "edges beside triangles without area swapped");
   line(r.holes, fmt::format("holes filled, the widest with a radius of {:.3g} mm", r.widest_hole_mm));
+  line(r.moved_vertices, "vertices pulled past their neighbours put back");
   line(r.removed_triangles, fmt::format("triangles at crossings replaced, in {} rounds", r.rounds));
   line(r.new_triangles, "new triangles in all");
   line(r.openings, "openings left open");

@@ -1,13 +1,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <utility>
 
 #include "lumesh/core/drop_marked.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -18,6 +21,7 @@
 #include "lumesh/surface/repair.hpp"
 #include "lumesh/surface/shells.hpp"
 #include "rim_triangles.hpp"
+#include "stray_vertices.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -33,6 +37,8 @@ constexpr std::uint32_t kMended = ~0U, kHoleFilling = ~0U - 1;
 
 /// What to do about triangles that lie back on their neighbours.
 enum class Folds : std::uint8_t { kTakeOut, kLeave };
+/// Whether whole triangles are taken out, or pieces of them that are shorter than what may move.
+enum class Pieces : std::uint8_t { kTriangles, kShort };
 
 struct Topology {
   std::uint64_t components = 0, openings = 0;
@@ -49,36 +55,48 @@ struct PartMeasures {
 
 class LocalRepair {
  public:
-  LocalRepair(const TriangleMesh& given, double max_distance_mm, Folds folds)
-      : given_(weld(given.points, given.triangles, given.patches)),
-        max_distance_mm_(max_distance_mm),
-        folds_(folds) {
+  LocalRepair(const TriangleMesh& given, double max_distance_mm)
+      : given_(weld(given.points, given.triangles, given.patches)), max_distance_mm_(max_distance_mm) {
     surface_ = given_;
     origin_.resize(surface_.triangles.size());
     std::iota(origin_.begin(), origin_.end(), 0U);
-    is_left_out_.assign(origin_.size(), 0);
     box_ = bounding_box(surface_.points);
   }
 
-  RepairedSurface run() {
+  /// A manifold without holes, and no vertex pulled past its neighbours.
+  void prepare() {
     make_manifold();
-    if (surface_.triangles.empty()) return failed("nothing is left of the surface", given_.points[0]);
+    if (surface_.triangles.empty()) return;
     find_openings();
     fill_holes(kHoleFilling);
-    const Topology before = topology();
-    if (!take_crossings_out()) return failed("it still crosses itself after ten rounds", trouble_mm_);
+    topology_ = topology();
+    flip_flat_triangles();
+    const std::vector<std::uint8_t> is_bad = faulty_triangles(1, all());
+    is_sound_ = std::ranges::count(is_bad, 1) == 0;
+    if (!is_sound_) put_back(is_bad);
+  }
+
+  RepairedSurface run(Folds folds, Pieces pieces) {
+    folds_ = folds;
+    pieces_ = pieces;
+    if (surface_.triangles.empty()) return failed("nothing is left of the surface", given_.points[0]);
+    if (!is_sound_ && !take_crossings_out())
+      return failed("it still crosses itself after ten rounds", trouble_mm_);
     turn_outwards_by_nesting();
     const Topology after = topology();
-    if (after != before)
-      return failed(after.components != before.components ? "taking out what crosses changes its components"
-                    : after.openings != before.openings   ? "taking out what crosses closes an opening"
-                                                          : "taking out what crosses changes its handles",
+    if (after != topology_)
+      return failed(after.components != topology_.components
+                        ? "taking out what crosses changes its components"
+                    : after.openings != topology_.openings ? "taking out what crosses closes an opening"
+                                                           : "taking out what crosses changes its handles",
                     trouble_mm_);
     measure_moves();
     if (report_.moved.distance_mm > max_distance_mm_)
       return failed("it would move farther than asked", report_.moved.place_mm);
     return accepted(after);
   }
+  /// Whether triangles were taken out for nothing else but that they lie back on others.
+  [[nodiscard]] bool has_met_folds() const { return has_met_folds_; }
 
  private:
   RepairedSurface failed(std::string why, const Vec3& place) { return {{}, report_, std::move(why), place}; }
@@ -89,42 +107,46 @@ class LocalRepair {
     report_.new_triangles =
         static_cast<std::uint64_t>(std::ranges::count_if(origin_, [](auto o) { return o >= kHoleFilling; }));
     for (std::size_t t = 0; t < origin_.size(); ++t)
-      if (origin_[t] < kHoleFilling && is_odd(surface_.triangles[t], given_.triangles[origin_[t]]))
+      if (origin_[t] < kHoleFilling &&
+          triangle_area_normal(surface_.points, surface_.triangles[t])
+                  .dot(triangle_area_normal(given_.points, given_.triangles[origin_[t]])) < 0)
         ++report_.turned_triangles;
     return {weld(surface_.points, surface_.triangles, surface_.patches), report_, "", Vec3::Zero()};
-  }
-  /// Whether one triangle is the other turned over.
-  static bool is_odd(const Cell<3>& a, const Cell<3>& b) {
-    for (std::size_t i = 0; i < 3; ++i)
-      if (a[i] == b[0]) return a[(i + 1) % 3] != b[1];
-    return false;
   }
   [[nodiscard]] Vec3 middle_of(std::size_t t) const {
     const auto& [a, b, c] = surface_.triangles[t];
     return (surface_.points[a] + surface_.points[b] + surface_.points[c]) / 3;
   }
 
+  /// Takes triangles out for which others near by must stand.
   void remove(const std::vector<std::uint8_t>& is_bad) {
+    for (std::size_t t = 0; t < is_bad.size(); ++t)
+      if (is_bad[t] != 0) note_replaced(t);
+    drop(is_bad);
+  }
+  void drop(const std::vector<std::uint8_t>& is_bad) {
     drop_triangles(surface_, is_bad);
     drop_marked(is_bad, origin_);
   }
-  void leave_out(const std::vector<std::uint32_t>& triangles, std::vector<std::uint8_t>& is_bad) {
-    for (const std::uint32_t t : triangles) {
-      is_bad[t] = 1;
-      if (origin_[t] < kHoleFilling) is_left_out_[origin_[t]] = 1;
-    }
+  /// Before a triangle goes or moves.
+  void note_replaced(std::size_t t) {
+    if (origin_[t] >= kHoleFilling) return;
+    const auto first = static_cast<std::uint32_t>(replaced_.points.size());
+    for (const std::uint32_t v : surface_.triangles[t]) replaced_.points.push_back(surface_.points[v]);
+    replaced_.triangles.push_back({first, first + 1, first + 2});
   }
 
   void make_manifold() {
     std::vector<std::uint8_t> is_bad(origin_.size(), 0);
-    const std::vector<std::uint32_t> doubles = duplicate_triangles(surface_.triangles);
-    leave_out(doubles, is_bad);
-    report_.duplicate_triangles = doubles.size();
-    remove(is_bad);
+    for (const std::uint32_t t : duplicate_triangles(surface_.triangles)) is_bad[t] = 1;
+    report_.duplicate_triangles = static_cast<std::uint64_t>(std::ranges::count(is_bad, 1));
+    drop(is_bad);
     drop_loose_triangles();
     turn_alike(surface_);
     drop_parts();
     report_.singular_edges = remove_at_bad_edges();
+    drop_hanging_parts();
+    fill_touching_holes();
     report_.singular_points = divide_points();
     turn_alike(surface_);
     drop_parts();
@@ -132,10 +154,9 @@ class LocalRepair {
 
   void drop_loose_triangles() {
     std::vector<std::uint8_t> is_bad(origin_.size(), 0);
-    const std::vector<std::uint32_t> loose = loose_triangles(surface_);
-    leave_out(loose, is_bad);
-    report_.loose_triangles = loose.size();
-    remove(is_bad);
+    for (const std::uint32_t t : loose_triangles(surface_)) is_bad[t] = 1;
+    report_.loose_triangles = static_cast<std::uint64_t>(std::ranges::count(is_bad, 1));
+    drop(is_bad);
   }
 
   std::vector<PartMeasures> measured_parts(const Parts& parts, const EdgeNeighbours& neighbours) const {
@@ -169,14 +190,14 @@ class LocalRepair {
       const bool is_speck = part.box.diagonal().norm() < kSpeckShare * box_.diagonal().norm();
       if (is_speck ||
           lies_on(part, tree, kept, part.is_open && part.area_mm2 < kFlapArea * measures[0].area_mm2)) {
-        leave_out(part.triangles, is_bad);
+        for (const std::uint32_t t : part.triangles) is_bad[t] = 1;
         ++report_.dropped_parts;
         report_.dropped_triangles += part.triangles.size();
       } else {
         tree = keep(part);
       }
     }
-    remove(is_bad);
+    drop(is_bad);
   }
   /// Whether a part lies along others and, unless the way it is turned does not matter, is turned as they
   /// are.
@@ -197,13 +218,14 @@ class LocalRepair {
   /// Edges of three triangles or more, and those whose two cannot be turned alike.
   std::uint64_t remove_at_bad_edges() {
     std::vector<std::uint8_t> is_bad(origin_.size(), 0);
-    const std::uint64_t count = mark_bad_edges(is_bad);
+    const std::uint64_t count = mark_bad_edges(sorted_sides(surface_.triangles), is_bad);
     if (count > 0) remove(is_bad);
     return count;
   }
-  std::uint64_t mark_bad_edges(std::vector<std::uint8_t>& is_bad) const {
+  std::uint64_t mark_bad_edges(const std::vector<TriangleSide>& sides,
+                               std::vector<std::uint8_t>& is_bad) const {
     std::uint64_t count = 0;
-    for_each_edge(sorted_sides(surface_.triangles), [&](std::span<const TriangleSide> edge) {
+    for_each_edge(sides, [&](std::span<const TriangleSide> edge) {
       const auto start = [&](const TriangleSide& side) {
         return surface_.triangles[side.triangle][side.side];
       };
@@ -214,6 +236,40 @@ class LocalRepair {
     return count;
   }
 
+  /// Small open parts that hang on larger ones at points, as cutting leaves them at ragged ends.
+  void drop_hanging_parts() {
+    const Parts parts = turn_alike(surface_);
+    if (parts.count < 2) return;
+    const std::vector<PartMeasures> measures = measured_parts(parts, edge_neighbours(surface_.triangles));
+    const auto area_of = [&](std::size_t t) { return measures[parts.of_triangle[t]].area_mm2; };
+    std::vector<double> largest_at(surface_.points.size(), 0);
+    for (std::size_t t = 0; t < origin_.size(); ++t)
+      for (const std::uint32_t v : surface_.triangles[t]) largest_at[v] = std::max(largest_at[v], area_of(t));
+    std::vector<std::uint8_t> is_bad(origin_.size(), 0);
+    for (const PartMeasures& part : measures) {
+      const bool hangs = part.is_open && std::ranges::any_of(part.triangles, [&](std::uint32_t t) {
+                           return std::ranges::any_of(surface_.triangles[t], [&](std::uint32_t v) {
+                             return part.area_mm2 < kFlapArea * largest_at[v];
+                           });
+                         });
+      if (!hangs) continue;
+      for (const std::uint32_t t : part.triangles) is_bad[t] = 1;
+      report_.loose_triangles += part.triangles.size();
+    }
+    drop(is_bad);
+  }
+  /// Holes that touch each other or an opening at a point, which is sound once they are filled.
+  void fill_touching_holes() {
+    const std::vector<Fan> fans = further_fans(surface_, edge_neighbours(surface_.triangles));
+    if (fans.empty()) return;
+    std::vector<std::uint8_t> touches(surface_.points.size(), 0);
+    for (const Fan& fan : fans) touches[fan.vertex] = 1;
+    const std::vector<Rim> rims = find_rims(surface_);
+    fill_holes(kHoleFilling, rims, [&, is_opening = rims_are_openings(surface_, rims)](std::size_t r) {
+      return is_opening[r] == 0 &&
+             std::ranges::any_of(rims[r].vertices, [&](std::uint32_t v) { return touches[v] != 0; });
+    });
+  }
   std::uint64_t divide_points() {
     const std::vector<Fan> fans = further_fans(surface_, edge_neighbours(surface_.triangles));
     for (const Fan& fan : fans) {
@@ -245,9 +301,13 @@ class LocalRepair {
 
   void fill_holes(std::uint32_t origin) {
     const std::vector<Rim> rims = find_rims(surface_);
+    fill_holes(origin, rims, [&](std::size_t r) { return !is_opening(rims[r]); });
+  }
+  template <class IsWanted>
+  void fill_holes(std::uint32_t origin, const std::vector<Rim>& rims, const IsWanted& is_wanted) {
     const std::vector<std::vector<std::uint32_t>> walls = rim_triangles(surface_, rims);
     for (std::size_t r = 0; r < rims.size(); ++r) {
-      if (is_opening(rims[r])) continue;
+      if (!is_wanted(r)) continue;
       const bool is_at_hole = std::ranges::any_of(
           rims[r].vertices, [&](std::uint32_t v) { return v < is_at_hole_.size() && is_at_hole_[v] != 0; });
       if (origin == kHoleFilling) {
@@ -276,15 +336,16 @@ class LocalRepair {
   }
 
   bool take_crossings_out() {
-    constexpr int kMaxRounds = 10;
-    for (int round = 1; round <= kMaxRounds; ++round) {
+    constexpr int kMaxRounds = 10, kMaxRoundsOfPieces = 4;
+    const int rounds = pieces_ == Pieces::kShort ? kMaxRoundsOfPieces : kMaxRounds;
+    for (int round = 1; round <= rounds; ++round) {
       flip_flat_triangles();
-      std::vector<std::uint8_t> is_bad = bad_triangles();
-      if (folds_ == Folds::kTakeOut && round <= kRoundsOfFolds) mark_folds(is_bad);
+      std::vector<std::uint8_t> is_bad = faulty_triangles(round, all());
       const auto first = std::ranges::find(is_bad, 1);
       if (first == is_bad.end()) return true;
       if (round == 1) trouble_mm_ = middle_of(static_cast<std::size_t>(first - is_bad.begin()));
       report_.rounds = round;
+      if (pieces_ == Pieces::kShort) divide_around(is_bad, round);
       grow(is_bad, round);
       report_.removed_triangles += static_cast<std::uint64_t>(std::ranges::count(is_bad, 1));
       remove(is_bad);
@@ -294,30 +355,119 @@ class LocalRepair {
       fill_holes(kMended);
     }
     flip_flat_triangles();
-    const std::vector<std::uint8_t> is_bad = bad_triangles();
-    return std::ranges::count(is_bad, 1) == 0;
+    return std::ranges::count(faulty_triangles(kMaxRounds + 1, all()), 1) == 0;
   }
 
-  [[nodiscard]] std::vector<std::uint8_t> bad_triangles() const {
+  /// Divides what is bad, and as many rings around, until no edge is longer than half of what may move.
+  void divide_around(std::vector<std::uint8_t>& is_bad, int rings) {
+    constexpr int kMaxHalvings = 24;
+    for (int n = 0; n < kMaxHalvings; ++n) {
+      std::vector<std::uint8_t> is_near = is_bad;
+      grow(is_near, rings);
+      std::vector<std::uint64_t> edges;
+      for (std::size_t t = 0; t < is_near.size(); ++t)
+        if (is_near[t] != 0)
+          if (const std::uint64_t edge = edge_to_halve(surface_.triangles[t]); edge != 0)
+            edges.push_back(edge);
+      if (edges.empty()) return;
+      sort_unique(edges);
+      halve(edges, is_bad);
+      is_bad = faulty_triangles(rings, is_bad);
+    }
+  }
+  /// The longest edge but for those of openings; 0 if all are short.
+  [[nodiscard]] std::uint64_t edge_to_halve(const Cell<3>& corners) const {
+    const auto is_at_opening = [&](std::uint32_t v) { return v < opening_of_.size() && opening_of_[v] != 0; };
+    double longest = max_distance_mm_ / 2;
+    std::uint64_t edge = 0;
+    for (std::size_t s = 0; s < 3; ++s) {
+      const std::uint32_t a = corners[s], b = corners[(s + 1) % 3];
+      const double length = (surface_.points[b] - surface_.points[a]).norm();
+      if (length <= longest || (is_at_opening(a) && is_at_opening(b))) continue;
+      longest = length;
+      edge = edge_key(a, b);
+    }
+    return edge;
+  }
+  /// @param edges  Keys, ascending. @param is_bad  Pieces are what the triangle was.
+  void halve(const std::vector<std::uint64_t>& edges, std::vector<std::uint8_t>& is_bad) {
+    const auto first = static_cast<std::uint32_t>(surface_.points.size());
+    for (const std::uint64_t edge : edges)
+      surface_.points.push_back((surface_.points[edge >> 32] + surface_.points[edge & 0xffffffff]) / 2);
+    const std::size_t count = surface_.triangles.size();
+    for (std::size_t t = 0; t < count; ++t) {
+      const auto divide = [&](const Cell<3>& corners, const auto& again) -> std::size_t {
+        for (std::size_t s = 0; s < 3; ++s) {
+          const std::uint32_t a = corners[s], b = corners[(s + 1) % 3], c = corners[(s + 2) % 3];
+          const auto at = std::ranges::lower_bound(edges, edge_key(a, b));
+          if (at == edges.end() || *at != edge_key(a, b)) continue;
+          const std::uint32_t middle = first + static_cast<std::uint32_t>(at - edges.begin());
+          return again({a, middle, c}, again) + again({middle, b, c}, again);
+        }
+        surface_.triangles.push_back(corners);
+        surface_.patches.push_back(surface_.patches[t]);
+        return 1;
+      };
+      const Cell<3> given = surface_.triangles[t];
+      const std::size_t parts = divide(given, divide);
+      surface_.triangles[t] = surface_.triangles.back();
+      surface_.triangles.pop_back();
+      surface_.patches.pop_back();
+      if (parts == 1) continue;
+      origin_.resize(surface_.triangles.size(), origin_[t]);
+      is_bad.resize(origin_.size(), is_bad[t]);
+    }
+  }
+
+  void put_back(const std::vector<std::uint8_t>& is_bad) {
+    TriangleMesh moved = surface_;
+    const std::vector<std::uint32_t> strays = put_back_strays(moved, is_bad, max_distance_mm_);
+    report_.moved_vertices = strays.size();
+    std::vector<std::uint8_t> is_stray(surface_.points.size(), 0);
+    for (const std::uint32_t v : strays) is_stray[v] = 1;
+    for (std::size_t t = 0; t < origin_.size(); ++t) {
+      if (std::ranges::none_of(surface_.triangles[t], [&](std::uint32_t v) { return is_stray[v] != 0; }))
+        continue;
+      note_replaced(t);
+      if (origin_[t] != kHoleFilling) origin_[t] = kMended;
+    }
+    surface_ = std::move(moved);
+  }
+
+  /// Triangles that cross others, and those at folds as long as these are taken out. @param may_be  Others
+  /// are sound.
+  [[nodiscard]] std::vector<std::uint8_t> faulty_triangles(int round,
+                                                           const std::vector<std::uint8_t>& may_be) {
     std::vector<std::uint8_t> is_bad(origin_.size(), 0);
-    for (const SelfCrossing& crossing : find_self_crossings(surface_.points, surface_.triangles))
-      is_bad[crossing.first] = is_bad[crossing.second] = 1;
-    mark_bad_edges(is_bad);
+    std::vector<std::uint32_t> numbers;
+    std::vector<Cell<3>> triangles;
+    for (std::uint32_t t = 0; t < may_be.size(); ++t)
+      if (may_be[t] != 0) {
+        numbers.push_back(t);
+        triangles.push_back(surface_.triangles[t]);
+      }
+    for (const SelfCrossing& crossing : find_self_crossings(surface_.points, triangles))
+      is_bad[numbers[crossing.first]] = is_bad[numbers[crossing.second]] = 1;
+    const std::vector<TriangleSide> sides = sorted_sides(surface_.triangles);
+    mark_bad_edges(sides, is_bad);
+    if (folds_ == Folds::kTakeOut && round <= kRoundsOfFolds) mark_folds(sides, is_bad);
     return is_bad;
   }
+  [[nodiscard]] std::vector<std::uint8_t> all() const { return std::vector<std::uint8_t>(origin_.size(), 1); }
 
-  void mark_folds(std::vector<std::uint8_t>& is_bad) const {
+  void mark_folds(const std::vector<TriangleSide>& sides, std::vector<std::uint8_t>& is_bad) {
     const auto normal = [&](std::uint32_t t) {
       return triangle_normal(surface_.points, surface_.triangles[t]);
     };
     std::vector<std::uint8_t> opposed(origin_.size(),
                                       0);  // Edges of each triangle. A sharp edge of a wedge is one.
-    for_each_edge(sorted_sides(surface_.triangles), [&](std::span<const TriangleSide> edge) {
+    for_each_edge(sides, [&](std::span<const TriangleSide> edge) {
       if (edge.size() != 2) return;
       const double cosine = normal(edge[0].triangle).dot(normal(edge[1].triangle));
       for (const TriangleSide& side : edge) {
-        if (cosine < kFoldCosine || (cosine < kOpposedCosine && ++opposed[side.triangle] > 1))
-          is_bad[side.triangle] = 1;
+        if (cosine >= kFoldCosine && (cosine >= kOpposedCosine || ++opposed[side.triangle] < 2)) continue;
+        has_met_folds_ = has_met_folds_ || is_bad[side.triangle] == 0;
+        is_bad[side.triangle] = 1;
       }
     });
   }
@@ -389,6 +539,8 @@ class LocalRepair {
                                   neighbours[other][1], neighbours[other][2]})
       if (n < kCrowdedEdge) is_touched[n] = 1;
     is_touched[t] = is_touched[other] = 1;
+    note_replaced(t);
+    note_replaced(other);
     mine = {a, d, c};
     theirs = {d, b, c};
     surface_.patches[t] = surface_.patches[other];
@@ -408,25 +560,25 @@ class LocalRepair {
   }
 
   void measure_moves() {
-    std::vector<std::uint8_t> has_stayed = is_left_out_;
-    for (const std::uint32_t o : origin_)
-      if (o < kHoleFilling) has_stayed[o] = 1;
-    if (std::ranges::count(has_stayed, 0) == 0 && std::ranges::count(origin_, kMended) == 0) return;
+    if (replaced_.triangles.empty() && std::ranges::count(origin_, kMended) == 0) return;
     const double step = max_distance_mm_ / 4;
-    const FarthestPoint out = farthest_from(given_, TriangleTree(surface_.points, surface_.triangles), step,
-                                            [&](std::size_t t) { return has_stayed[t] == 0; });
+    const FarthestPoint out =
+        farthest_from(replaced_, TriangleTree(surface_.points, surface_.triangles), step);
     const FarthestPoint back = farthest_from(surface_, TriangleTree(given_.points, given_.triangles), step,
                                              [&](std::size_t t) { return origin_[t] == kMended; });
     report_.moved = back.distance_mm > out.distance_mm ? back : out;
   }
 
-  const TriangleMesh given_;
+  TriangleMesh given_;
   TriangleMesh surface_;
   double max_distance_mm_;
-  Folds folds_;
+  Folds folds_ = Folds::kTakeOut;
+  Pieces pieces_ = Pieces::kTriangles;
+  bool has_met_folds_ = false, is_sound_ = false;
+  Topology topology_;  // To be kept.
   Box3 box_;
   std::vector<std::uint32_t> origin_;       // Of each triangle.
-  std::vector<std::uint8_t> is_left_out_;   // Of each given triangle.
+  TriangleMesh replaced_;                   // Given triangles, or pieces of them, that others stand for.
   std::vector<std::uint32_t> opening_of_;   // Of each vertex, from 1 on; 0: none.
   std::vector<std::size_t> opening_sizes_;  // Vertices of each opening.
   std::vector<std::uint8_t> is_at_hole_;    // Of each vertex, whether a hole was filled there.
@@ -437,10 +589,18 @@ class LocalRepair {
 }  // namespace
 
 RepairedSurface repair_locally(const TriangleMesh& surface, double max_distance_mm) {
-  RepairedSurface made = LocalRepair(surface, max_distance_mm, Folds::kTakeOut).run();
-  if (made.ok()) return made;
-  RepairedSurface with_folds = LocalRepair(surface, max_distance_mm, Folds::kLeave).run();
-  return with_folds.ok() ? with_folds : made;
+  LocalRepair prepared(surface, max_distance_mm);
+  prepared.prepare();
+  RepairedSurface first;
+  for (const Pieces pieces : {Pieces::kTriangles, Pieces::kShort})
+    for (const Folds folds : {Folds::kTakeOut, Folds::kLeave}) {
+      LocalRepair attempt(prepared);
+      RepairedSurface made = attempt.run(folds, pieces);
+      if (made.ok()) return made;
+      if (first.ok()) first = std::move(made);
+      if (!attempt.has_met_folds()) break;  // Leaving them makes no difference.
+    }
+  return first;
 }
 
 }  // namespace lumesh::surfaces

@@ -68,7 +68,7 @@ struct FarthestPoint {
 /// Counts of a repair.
 struct RepairReport {
   std::uint64_t duplicate_triangles = 0;  ///< Left out.
-  std::uint64_t loose_triangles = 0;      ///< Left out, as they hang at corners only.
+  std::uint64_t loose_triangles = 0;      ///< Left out, as they, or their part, hang at corners only.
   std::uint64_t dropped_parts = 0;        ///< Specks, and parts that lie on others.
   std::uint64_t dropped_triangles = 0;    ///< Triangles of those parts.
   std::uint64_t singular_edges = 0;       ///< Edges of three triangles or more, cut.
@@ -77,6 +77,7 @@ struct RepairReport {
   std::uint64_t flipped_edges = 0;      ///< Beside triangles without area.
   std::uint64_t holes = 0;              ///< Filled ones of the given surface.
   double widest_hole_mm = 0;            ///< Radius.
+  std::uint64_t moved_vertices = 0;     ///< Put back, as they were pulled past their neighbours.
   int rounds = 0;                       ///< In which triangles that cross were replaced.
   std::uint64_t removed_triangles = 0;  ///< In those rounds.
   std::uint64_t new_triangles = 0;      ///< Triangles that were not given.

@@ -20,9 +20,11 @@ struct RepairedSurface {
 /// Makes a surface a manifold without self-crossings (exactly), closed but for its openings, and turned
 /// outwards. After Attene 2010, A lightweight approach to repairing digitized polygon meshes,
 /// doi:10.1007/s00371-010-0416-3: cuts it at edges of three triangles and at points of several fans, drops
-/// specks and parts that lie on others, turns triangles alike, fills holes; then, up to ten times, takes out
-/// triangles that cross or lie back on their neighbours, with k rings around in round k, and fills again. No
-/// vertex moves. New triangles take the patch with most of their rim's edges.
+/// specks, parts that lie on others and those that hang on others at points, turns triangles alike, fills
+/// holes, and puts vertices back that were pulled past their neighbours; then, up to ten times, takes out
+/// triangles that cross or lie back on their neighbours, with k rings around in round k, and fills again;
+/// where that moves too much, takes out pieces of triangles shorter than half of what may move. New triangles
+/// take the patch with most of their rim's edges.
 ///
 /// Accepted only if components, genus and openings are those that the surface had after the first filling,
 /// and nothing moved farther than asked.

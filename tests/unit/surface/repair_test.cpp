@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <random>
 
 #include "fixtures/surfaces.hpp"
 #include "generated_faults.hpp"
@@ -76,6 +77,73 @@ TEST(LocalRepair, MakesGeneratedFaultsGoodWithinOnePercent) {
   EXPECT_GE(repaired, 0.95 * tried) << tried << " tried";
 }
 
+/// A cylinder of 48 sides without vertices between its ends: sharp edges, and triangles much larger than its
+/// faults. Rim of the lower end from vertex 0 on, then of the upper one, then the middles of both.
+TriangleMesh drum() {
+  constexpr std::uint32_t kAround = 48;
+  TriangleMesh drum = revolved({{3, 0}, {3, 10}}, kAround);
+  drum.points.emplace_back(0, 0, 0);
+  drum.points.emplace_back(0, 0, 10);
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    const std::uint32_t next = (i + 1) % kAround;
+    drum.triangles.push_back({2 * kAround, next, i});
+    drum.triangles.push_back({2 * kAround + 1, kAround + i, kAround + next});
+  }
+  drum.patches.resize(drum.triangles.size(), 0);
+  return drum;
+}
+
+TEST(LocalRepair, VerticesPulledPastTheirNeighboursOnASharpEdgeArePutBack) {
+  const TriangleMesh sound = drum();
+  TriangleMesh one = sound, two = sound;
+  one.points[0] = sound.points[1] + 0.3 * (sound.points[1] - sound.points[0]);
+  std::swap(two.points[1], two.points[2]);
+  for (const TriangleMesh& faulty : {one, two}) {
+    const RepairedSurface made = repair_locally(faulty, 0.01 * diagonal_of(faulty));
+    ASSERT_TRUE(made.ok()) << made.failure;
+    EXPECT_EQ(made.report.moved_vertices, 1U);
+    EXPECT_EQ(made.report.removed_triangles, 0U);
+    EXPECT_EQ(made.surface.triangles.size(), sound.triangles.size());
+    EXPECT_EQ(faults_of(made.surface), "");
+    EXPECT_LE(distance_between(made.surface, sound), 0.01 * diagonal_of(sound));
+  }
+}
+
+TEST(LocalRepair, WhatCrossesAmongLargeTrianglesIsTakenOutInPieces) {
+  const TriangleMesh sound = drum();
+  TriangleMesh faulty = sound;  // Four in the opposite order: none can be put back by itself.
+  for (std::uint32_t v = 0; v < 4; ++v) faulty.points[v] = sound.points[3 - v];
+  const RepairedSurface made = repair_locally(faulty, 0.01 * diagonal_of(sound));
+  ASSERT_TRUE(made.ok()) << made.failure;
+  EXPECT_GT(made.report.removed_triangles, 0U);
+  EXPECT_EQ(faults_of(made.surface), "");
+  EXPECT_LE(distance_between(made.surface, sound), 0.01 * diagonal_of(sound));
+}
+
+TEST(LocalRepair, HolesThatTouchAtAPointAreFilledWithoutTakingAnythingOut) {
+  const TriangleMesh ball = mesh_of(fixtures::icosphere(3, 10));
+  TriangleMesh faulty = ball;
+  std::vector<std::uint32_t> at_first;
+  const std::uint32_t v = ball.triangles[0][0];
+  for (std::uint32_t t = 0; t < ball.triangles.size(); ++t)
+    if (std::ranges::count(ball.triangles[t], v) > 0) at_first.push_back(t);
+  std::vector<std::uint32_t> apart = {at_first[0]};
+  for (const std::uint32_t t : at_first) {
+    const auto shared = std::ranges::count_if(ball.triangles[t], [&](std::uint32_t w) {
+      return std::ranges::count(ball.triangles[at_first[0]], w) > 0;
+    });
+    if (shared == 1 && apart.size() < 2) apart.push_back(t);
+  }
+  without_triangles(faulty, apart);
+  const RepairedSurface made = repair_locally(faulty, 0.01 * diagonal_of(ball));
+  ASSERT_TRUE(made.ok()) << made.failure;
+  EXPECT_EQ(made.report.holes, 2U);
+  EXPECT_EQ(made.report.new_triangles, 2U);
+  EXPECT_EQ(made.report.removed_triangles, 0U);
+  EXPECT_EQ(made.surface.triangles.size(), ball.triangles.size());
+  EXPECT_EQ(faults_of(made.surface), "");
+}
+
 TEST(LocalRepair, LeavesASoundSurfaceAsItIs) {
   for (const SoundShape& shape : sound_shapes()) {
     const RepairedSurface made = repair_locally(shape.surface, 0.1);
@@ -99,6 +167,24 @@ TEST(LocalRepair, ATornEndStaysOpen) {
   ASSERT_TRUE(made.ok()) << made.failure;
   EXPECT_EQ(made.report.openings, 2U);
   EXPECT_EQ(made.report.holes, 0U);
+}
+
+TEST(LocalRepair, EndsClippedByHandWhoseTrianglesHangAtPointsStayOpen) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(seed);
+    TriangleMesh tube = open_tube({.radius_mm = 2, .length_mm = 30, .around = 40});
+    std::mt19937 random(seed);
+    std::erase_if(tube.triangles, [&](const Cell<3>& t) {
+      const double z = (tube.points[t[0]] + tube.points[t[1]] + tube.points[t[2]]).z() / 3;
+      return (z < 1 || z > 29) && random() % 5 < 3;
+    });
+    tube.patches.resize(tube.triangles.size());
+    const RepairedSurface made = repair_locally(tube, 0.01 * diagonal_of(tube));
+    ASSERT_TRUE(made.ok()) << made.failure;
+    EXPECT_EQ(made.report.openings, 2U);
+    EXPECT_EQ(made.report.components, 1U);
+    EXPECT_EQ(faults_of(made.surface), "");
+  }
 }
 
 TEST(LocalRepair, ATriangleWithoutAreaGivesWayWithoutAnyMove) {
