@@ -59,7 +59,7 @@ class GivenSurface {
   [[nodiscard]] const TriangleTree& tree() const { return tree_; }
 
  private:
-  static constexpr int kBlock = 8;  // Voxels along its edges.
+  static constexpr int kBlock = 4;  // Voxels along its edges.
 
   /// Where no triangle is near, one voxel speaks for all.
   void fill_block(const Index3& first, const LabelImage& image, std::vector<float>& depths) const {
