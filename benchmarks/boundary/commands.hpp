@@ -45,6 +45,8 @@ class Summary {
 
 void run_field(const RunOptions& options);
 void run_mesh(const RunOptions& options);
+/// Sections at the border of vessels that others face, and how far places are from voxels of their label.
+void run_openings(const RunOptions& options);
 /// Topology of meshes of random label images; `only` picks meshers.
 void run_topology(const RunOptions& options);
 /// Time and memory of the field alone, from 0.1 to 10 million voxels in the band; reads only `json_path`.

@@ -41,19 +41,22 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   Part field{lumesh::boundary::run_field, {.seeds = 5}};
   Part mesh{lumesh::boundary::run_mesh, {.seeds = 2}};
+  Part openings{lumesh::boundary::run_openings, {.seeds = 60}};
   Part topology{lumesh::boundary::run_topology, {.seeds = 500}};
   Part cost{lumesh::boundary::run_cost, {}};
   field.add_to(app, "field", "The domain's boundary against the exact surfaces",
                "Regular expression: cases whose name it matches in part");
   mesh.add_to(app, "mesh", "The walls of meshes against the exact surfaces",
               "Regular expression: cases whose name it matches in part");
+  openings.add_to(app, "openings", "Sections of vessels that others face, at the border and inside",
+                  "Regular expression: cases whose name it matches in part");
   topology.add_to(app, "topology", "Pieces, volumes and distances of random label images",
                   "Regular expression: meshers whose name it matches in part; `none': the domain alone");
   cost.add_to(app, "cost", "Time and memory of the label field, from 0.1 to 10 million voxels in the band",
               "");
   CLI11_PARSE(app, argc, argv);
   try {
-    for (const Part& part : {field, mesh, topology, cost}) {
+    for (const Part& part : {field, mesh, openings, topology, cost}) {
       if (!part.command->parsed()) continue;
       const lumesh::parallel::ThreadLimit limit(part.threads);
       part.run(part.options);
