@@ -15,6 +15,7 @@
 #include "sides.hpp"
 #include "simple_voxels.hpp"
 #include "stiffness.hpp"
+#include "unlabelled_lumens.hpp"
 
 namespace lumesh::field {
 
@@ -303,12 +304,48 @@ void fit_facing_walls(const Band& band, BoundaryFidelity fidelity, LaneArray& va
     }
 }
 
+/// Of a wall from the depths behind both its sides, of which one may be unknown far from it. The lesser one
+/// has a crease in the middle, across which cubic interpolation moves both sides of a thin wall outwards.
+/// What is of second degree across the wall has the same zeros and slopes there, but is cut off sooner
+/// outside, which moves them inwards: both by 2 to 5 % of the volume of walls of 1.5 to 2 voxels, and least
+/// so in this mixture.
+float depth_in_wall(float from_outside, float from_lumen) {
+  constexpr float kThin = 3, kThick = 4;  // voxels
+  constexpr float kThinnest = 0.5F;       // less is where the sides cross
+  constexpr float kSmoothShare = 0.6F;
+  const float least = std::fmin(from_outside, from_lumen), thickness = from_outside + from_lumen;
+  if (!(thickness > kThinnest && thickness < kThick)) return least;
+  const float smooth = from_outside * from_lumen / thickness;
+  return least + kSmoothShare * std::min(1.0F, (kThick - thickness) / (kThick - kThin)) * (smooth - least);
+}
+
+/// Replaces the common function by those of lumens without a label and of what fills them: the wall is what
+/// the second has and the first have not.
+void fit_around_lumens(const UnlabelledLumens& lumens, const Band& band, BoundaryFidelity fidelity,
+                       LaneArray& values) {
+  const Band inner_band(lumens.lumens, lumens.faces_of_lumens),
+      outer_band(lumens.filled, lumens.faces_of_filled);
+  const LaneArray inner = fit(inner_band, lumens.faces_of_lumens, fidelity),
+                  outer = fit(outer_band, lumens.faces_of_filled, fidelity);
+  for (Lane lane = kLanes; lane < band.end() * kLanes; ++lane) {
+    if (!Band::has(band.alive(lane / kLanes), lane % kLanes)) continue;
+    const Index3 voxel = band.voxel(lane);
+    const float depth = depth_in_wall(outer_band.value_at(outer, voxel), -inner_band.value_at(inner, voxel));
+    if (!std::isnan(depth)) values.data()[lane] = depth;
+  }
+}
+
 }  // namespace
 
-LaneArray fit(const Band& band, BoundaryFidelity fidelity) {
+LaneArray fit(const Band& band, const PairFaces& faces, BoundaryFidelity fidelity) {
   Fit fit(band, fidelity);
   LaneArray& values = fit.solve();
-  if (band.is_outer_wall()) fit_facing_walls(band, fidelity, values);
+  if (band.is_outer_wall()) {
+    if (const auto lumens = find_unlabelled_lumens(band.image(), faces))
+      fit_around_lumens(*lumens, band, fidelity, values);
+    else
+      fit_facing_walls(band, fidelity, values);
+  }
   fit.keep_sides();
   return std::move(values);
 }

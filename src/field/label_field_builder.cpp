@@ -177,7 +177,7 @@ class LabelFieldBuilder {
 
   void fit_pair(std::size_t p) {
     const Band band(image_, pairs_[p]);
-    const LaneArray values = field::fit(band, options_.fidelity);
+    const LaneArray values = field::fit(band, pairs_[p], options_.fidelity);
     const LabelPair& pair = pairs_[p].pair;
     const auto& bricks = bricks_of_pair_[p];
     parallel::for_each_index(bricks.size(), 16, [&](std::size_t i) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "../src/field/unlabelled_lumens.hpp"
 #include "field_fixtures.hpp"
 
 namespace lumesh::field {
@@ -79,6 +80,23 @@ TEST_F(FacingWallsOf, LegsOfAHairpinAreAPartEachAndItsBendIsNone) {
     });
     EXPECT_LT(highest, centre.z() + 6) << n << ": the top of the axis";
     EXPECT_EQ(legs.size(), 1U) << n;
+  }
+}
+
+/// Background within a wall at the border is its lumen only if the wall encloses it all the way.
+TEST(UnlabelledLumens, WallsThatEndInTheImageHaveNone) {
+  const ImageFrame frame = frame_of({32, 24, 24}, Vec3::Ones());
+  const TubeAxis axis{Vec3(0, 11.6, 11.7), Vec3::UnitX()};
+  for (const double first : {-1.0, 10.0}) {
+    const LabelImage image = image_of(frame, 1, [&](const Vec3& p) {
+      return p.x() > first && axis.distance(p) >= 4 && axis.distance(p) < 7 ? 1 : 0;
+    });
+    const auto lumens = find_unlabelled_lumens(image, touching_pairs(image).at(0));
+    ASSERT_EQ(lumens.has_value(), first < 0);
+    if (!lumens) continue;
+    const Index3 middle(16, 12, 12), corner(16, 1, 1);
+    EXPECT_EQ(lumens->lumens.at(middle) * lumens->filled.at(middle), 1);
+    EXPECT_EQ(lumens->lumens.at(corner) + lumens->filled.at(corner), 0);
   }
 }
 
