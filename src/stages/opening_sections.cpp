@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -37,9 +38,24 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
     at[v] = static_cast<int>(face / columns);
     return at;
   };
-  const std::vector<std::uint32_t> part =
-      connected_squares(columns, count, [&](std::size_t face) { return image.at(voxel(face)); });
+  const Index3 inwards = (is_last ? -1 : 1) * (frame.size[axis] > 1 ? 1 : 0) * Index3::Unit(axis);
+  const std::vector<std::uint32_t> part = connected_squares(
+                                       columns, count,
+                                       [&](std::size_t face) { return image.at(voxel(face)); }),
+                                   next = connected_squares(columns, count, [&](std::size_t face) {
+                                     return image.at(voxel(face) + inwards);
+                                   });
+  std::map<std::uint32_t, std::size_t> next_sizes;
+  for (const std::uint32_t n : next) ++next_sizes[n];
+  const auto edges_of = [&](std::size_t face) {
+    const std::size_t column = face % columns;
+    return static_cast<std::size_t>(column > 0 && part[face - 1] != part[face]) +
+           static_cast<std::size_t>(column + 1 < columns && part[face + 1] != part[face]) +
+           static_cast<std::size_t>(face >= columns && part[face - columns] != part[face]) +
+           static_cast<std::size_t>(face + columns < count && part[face + columns] != part[face]);
+  };
   std::map<std::uint32_t, BorderSection> by_part;
+  std::set<std::array<std::uint32_t, 2>> behind;  // Parts, and those of the next layer.
   for (std::size_t face = 0; face < count; ++face) {
     if (part[face] == 0) continue;
     const Index3 at = voxel(face);
@@ -52,6 +68,9 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
     if (is_cut_off) continue;
     BorderSection& section = by_part[part[face]];
     section.label = image.label_at(at);
+    section.edge_count += edges_of(face);
+    if (image.at(at) == image.at(at + inwards) && behind.insert({part[face], next[face]}).second)
+      section.next_count += next_sizes[next[face]];
     section.centres_mm.push_back(centre_mm);
     section.face_mm2 = frame.spacing_mm[u] * frame.spacing_mm[v];
     section.normal = frame.direction.col(axis) * (is_last ? 1 : -1);
@@ -78,7 +97,29 @@ std::optional<std::size_t> opening_of(const BorderSection& section, std::span<co
 /// Figures of one opening by its voxels.
 struct Voxels {
   double area_mm2 = 0, face_mm2 = 0;
-  std::size_t sections = 0;  ///< Of some faces.
+  double next_area_mm2 = 0;    ///< In the next layer.
+  std::size_t edge_count = 0;  ///< Edges around the faces.
+  std::size_t sections = 0;    ///< Of some faces.
+
+  void add(const BorderSection& section) {
+    area_mm2 += section.area_mm2();
+    face_mm2 = section.face_mm2;
+    next_area_mm2 += section.face_mm2 * static_cast<double>(section.next_count);
+    edge_count += section.edge_count;
+    if (section.is_wide()) ++sections;
+  }
+  /// Whether voxels of a vessel with a section of this area can hardly be these ones.
+  [[nodiscard]] bool contradict(double section_mm2) const {
+    constexpr double kShare = 0.1, kVoxels = 0.7;
+    // The other bound is the nearer one where the outline is short and the section changes little. Centres
+    // of voxels within a circle of radius r have a variance of 0.676 r, and 0.085 per edge.
+    constexpr double kLeastShare = 0.05, kDeviations = 2.5, kPerEdge = 0.085, kChange = 0.1;
+    const double chance = face_mm2 * std::sqrt(kPerEdge * static_cast<double>(edge_count));
+    const double change = std::abs(next_area_mm2 - area_mm2);
+    return std::abs(section_mm2 - area_mm2) >
+           std::min(kShare * area_mm2 + kVoxels * std::sqrt(area_mm2 * face_mm2),
+                    kLeastShare * area_mm2 + kDeviations * chance + kChange * change);
+  }
 
   /// Whether there are too few faces to tell the section of a vessel.
   [[nodiscard]] bool is_tiny() const { return area_mm2 < kFewFaces * face_mm2; }
@@ -109,7 +150,6 @@ bool is_hollow_of_background(const Opening& opening, std::span<const Opening> op
 }
 
 std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<const Opening> openings) {
-  constexpr double kShare = 0.1, kVoxels = 0.7;
   if (voxels.sections > 1)
     return fmt::format(
         "{} at {} joins {} sections that are separate in the voxels; the image is too coarse there, or "
@@ -120,9 +160,8 @@ std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<con
         "{} at {} is the section of a wall whose lumen has no label: at the border its area may be a tenth "
         "off; give the lumen a label, or cut some voxels further in with {}",
         opening.name, place_text(opening.centre_mm), "`cut_plane`");
+  if (!voxels.contradict(opening.area_mm2)) return "";
   const double off = opening.area_mm2 - voxels.area_mm2;
-  if (std::abs(off) <= kShare * voxels.area_mm2 + kVoxels * std::sqrt(voxels.area_mm2 * voxels.face_mm2))
-    return "";
   return fmt::format(
       "{} at {} has {:.4g} mm², {:.0f} % {} than its {:.4g} mm² of voxel faces; cut it a few voxels "
       "further in with {}, or try `boundary` exact",
@@ -230,10 +269,7 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   for (const BorderSection& section : border_sections(image, cuts)) {
     const std::optional<std::size_t> opening = opening_of(section, openings);
     if (opening) {
-      Voxels& voxels = of_openings[*opening];
-      voxels.area_mm2 += section.area_mm2();
-      voxels.face_mm2 = section.face_mm2;
-      if (section.is_wide()) ++voxels.sections;
+      of_openings[*opening].add(section);
     } else if (section.is_wide()) {
       doubts.push_back(fmt::format("the section of {} voxel faces of label {} at {} is in no opening",
                                    section.centres_mm.size(), section.label,

@@ -67,6 +67,20 @@ TEST(OpeningSections, AreasSectionsAndGapsThatAreWrongAreTold) {
   EXPECT_NE(doubts[0].find("is in no opening"), std::string::npos) << doubts[0];
 }
 
+/// Voxels of vessels of 5.2 and 9 voxels in radius tell their sections to a tenth and less.
+TEST(OpeningSections, FifteenPerCentTooMuchOrTooLittleAreTold) {
+  for (const double radius : {5.2, 9.0})
+    for (const double slant : {0.0, 0.4})
+      for (const double factor : {0.85, 0.97, 1.03, 1.15}) {
+        const LabelImage image = two_tubes(radius, slant);
+        std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+        for (Opening& o : openings) o.area_mm2 *= factor;
+        const bool is_wrong = std::abs(factor - 1) > 0.1;
+        EXPECT_EQ(doubts_about_sections(image, {}, openings).size(), is_wrong ? openings.size() : 0U)
+            << radius << " " << slant << " " << factor;
+      }
+}
+
 /// Two vessels along z within one wall of label 2, the first with label 1 in it, the other with `second`.
 LabelImage two_vessels_in_a_wall(int second) {
   return fixtures::voxels_of(fixtures::frame_of({64, 40, 30}), {0, 1, 2}, [=](const Vec3& p) {
