@@ -64,7 +64,8 @@ void note_volumes(const fitting::WorkMesh& mesh, const ImageDomain& domain, cons
     const bool is_below_one_voxel = voxels[m] < 1;       // Grazed by a cut plane.
     if (filled[m] <= 0 || is_below_one_voxel) continue;  // Lost labels are reported by note_lost().
     const double change = filled[m] / wanted - 1;
-    count += std::abs(change) > kMuchOfVolume ? 1 : 0;
+    if (std::abs(change) <= much_of_volume(voxels[m])) continue;
+    ++count;
     if (std::abs(change) <= std::abs(worst)) continue;
     worst = change;
     label = domain.label_of(m);

@@ -122,7 +122,8 @@ std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
     const auto found = volumes.find(one.label);
     if (one.voxel_count < kMin || found == volumes.end()) continue;
     const double change = found->second / one.volume_mm3 - 1;
-    others += std::abs(change) > kMuchOfVolume ? 1 : 0;
+    if (std::abs(change) <= much_of_volume(static_cast<double>(one.voxel_count))) continue;
+    ++others;
     if (std::abs(change) <= std::abs(worst)) continue;
     worst = change;
     label = one.label;

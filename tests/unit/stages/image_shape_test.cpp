@@ -27,6 +27,20 @@ TEST(ImageShape, VolumesThatAreOffAreTold) {
   EXPECT_EQ(differences(exact, mesh).at(0).find("exact"), std::string::npos) << "it is so already";
 }
 
+/// Voxels of large labels tell volumes to 2 %, those of small ones to 5 %.
+TEST(ImageShape, VolumesAreToldFromWhatChanceAllowsOn) {
+  const TetMesh mesh = fixtures::cube_grid(5).build();
+  const ImageShape right = shape_of(cube_image(5));
+  for (const std::uint64_t count : {200, 900, 5000})
+    for (const double change : {0.015, 0.025, 0.035, 0.055}) {
+      ImageShape image = right;
+      image.labels.front().voxel_count = count;
+      image.labels.front().volume_mm3 *= 1 + change;
+      const double allowed = count < 500 ? 0.05 : count < 2000 ? 0.03 : 0.02;
+      EXPECT_EQ(differences(image, mesh).size(), change > allowed ? 1U : 0U) << count << " " << change;
+    }
+}
+
 TEST(ImageShape, SmallPiecesAreToldWithTheirRemedy) {
   LabelImage image = cube_image(7);
   EXPECT_EQ(small_pieces_warning(image, {}), "");
