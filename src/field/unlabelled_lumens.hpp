@@ -19,7 +19,8 @@ struct UnlabelledLumens {
 /// Lumens: background that hangs together by faces, is surrounded by the object wherever it leaves the image,
 /// and does not do so at all the object's faces. None of few voxels, which are noise.
 /// @param outer_wall  Faces between all labels together and the background.
-/// Cost: of the image's six faces, and where the object surrounds any background there, one pass over it.
+/// Cost: of the image's six faces; where the object surrounds any background there, of as much background as
+/// it takes to come around the object, and one more copy of the image for lumens.
 [[nodiscard]] std::optional<UnlabelledLumens> find_unlabelled_lumens(const LabelImage& image,
                                                                      const PairFaces& outer_wall);
 

@@ -31,7 +31,7 @@ double distance_between(const TriangleMesh& a, const TriangleMesh& b) {
   return std::max(farthest_from(a, TriangleTree(b.points, b.triangles), step).distance_mm,
                   farthest_from(b, TriangleTree(a.points, a.triangles), step).distance_mm);
 }
-/// What findings say that a sound surface must not have.
+/// Faults among findings, that a sound surface must not have.
 std::string faults_of(const TriangleMesh& surface) {
   std::string faults;
   for (const Finding& finding : findings_of(surface.points, surface.triangles))
