@@ -380,7 +380,7 @@ class Extruder {
     }
     const double radius_mm = std::sqrt(doubled_mm2 / of_unit_circle);
     std::vector<double> factors;
-    bool is_star = doubled_mm2 > 0 && of_unit_circle > 0;
+    bool is_star = doubled_mm2 > 0 && of_unit_circle > 1;  // 2.6 to 2 pi; of a ring 0, but for rounding.
     for (const std::uint32_t at : s.vertices) {
       const Vec2 ray = flat(at);
       int hits = 0;

@@ -87,7 +87,8 @@ class GivenSurface {
   WindingNumbers winding_;
 };
 
-TriangleMesh meshed_boundary(const LabelImage& image, Context& context) {
+TriangleMesh meshed_boundary(const LabelImage& image, Context context) {
+  context.report_results_to({});  // An incomplete mesh is no result of a repair: a stop ends that.
   const ImageDomain domain(image, {{BoundaryFidelity::kExact}, {}});
   DelaunayRequest request;
   request.delaunay.size_mm = 8 * domain.resolution_mm();  // Only its surface is wanted.

@@ -195,6 +195,15 @@ TEST(ExtrudeOpenings, MeasuresRadiiOfTheLumenOfAHollowWall) {
   EXPECT_NEAR(length, 5 * std::sqrt(4 / fixtures::kPi), 1e-9);
 }
 
+TEST(ExtrudeOpenings, TheRingOfAHollowWallBecomesNoCircle) {
+  const MixedMesh before = part_of(cut_bar(), {2}).mesh;
+  const ExtrudedMesh made = extrude_openings(before, named_lengths_from("ring=5r"), LayerCells::kTetrahedra,
+                                             local_length_from("2r"));
+  EXPECT_EQ(made.notes.size(), 1U);
+  EXPECT_NEAR(area_of(made.mesh, "ring"), area_of(before, "ring"), 1e-9);
+  fixtures::expect_conforming(made.mesh);
+}
+
 TEST(ExtrudeOpenings, OpeningsThatMeetAtAnEdgeGoOnEachByItself) {
   const MixedMesh before = cut_bar();
   const ExtrudedMesh made = extrude_openings(before, named_lengths_from("top=2"), LayerCells::kTetrahedra);
