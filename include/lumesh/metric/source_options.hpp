@@ -4,6 +4,8 @@
 #include <limits>
 #include <span>
 
+#include "lumesh/core/types.hpp"
+
 namespace lumesh {
 class OptionList;
 }
