@@ -147,6 +147,12 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
   TriangleMesh result;
   if (request.method != RepairMethod::kRebuild) result = repaired_locally(given, request, outcome);
   if (result.triangles.empty()) rebuild(surface, outcome, result, context);
+  constexpr std::uint64_t kScrap = 20;  // Triangles that cutting may leave at an end.
+  if (!outcome.was_rebuilt && outcome.report.hanging_triangles > kScrap)
+    context.warn(
+        fmt::format("a part of {} triangles that hung at a point only, at {}, is left out; if it is a "
+                    "vessel, join it to the rest first",
+                    outcome.report.hanging_triangles, place_text(outcome.report.hanging_mm)));
   if (request.in_single_precision)
     for (Vec3& p : result.points) p = p.cast<float>().cast<double>();
   require_no_faults(

@@ -255,6 +255,10 @@ class LocalRepair {
       if (!hangs) continue;
       for (const std::uint32_t t : part.triangles) is_bad[t] = 1;
       report_.loose_triangles += part.triangles.size();
+      if (part.triangles.size() > report_.hanging_triangles) {
+        report_.hanging_triangles = part.triangles.size();
+        report_.hanging_mm = middle_of(part.triangles.front());
+      }
     }
     drop(is_bad);
   }

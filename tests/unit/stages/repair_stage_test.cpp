@@ -3,29 +3,69 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "fixtures/surfaces.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
 namespace {
 
+MixedMesh ball() {
+  const fixtures::TriangleSoup soup = fixtures::icosphere(3, 5);
+  MixedMesh surface;
+  surface.points = soup.points;
+  surface.triangles = soup.triangles;
+  surface.triangle_patches.assign(soup.triangles.size(), 0);
+  surface.info.patches = {{"wall", PatchKind::kWall, {1, 0}}};
+  return surface;
+}
+
+/// A ball and a disc of so many triangles beside it, whose rim has a vertex of the ball.
+MixedMesh ball_with_disc(std::uint32_t triangles) {
+  MixedMesh surface = ball();
+  const Vec3 at = surface.points[0], outwards = at.normalized(), across = outwards.unitOrthogonal();
+  const auto first = static_cast<std::uint32_t>(surface.points.size());
+  surface.points.push_back(at + 0.5 * outwards);
+  for (std::uint32_t i = 1; i < triangles; ++i) {
+    const double angle = 2 * std::numbers::pi * i / triangles;
+    surface.points.push_back(at + 0.5 * outwards -
+                             0.5 * (std::cos(angle) * outwards + std::sin(angle) * across));
+  }
+  for (std::uint32_t i = 0; i < triangles; ++i)
+    surface.triangles.push_back({first, i == 0 ? 0 : first + i, i + 1 == triangles ? 0 : first + i + 1});
+  surface.triangle_patches.resize(surface.triangles.size(), 0);
+  return surface;
+}
+
 // Where results exist, loops no longer end when a stop comes.
 TEST(RepairStage, AnIncompleteMeshOfARebuildIsNoResult) {
-  const fixtures::TriangleSoup ball = fixtures::icosphere(3, 5);
-  MixedMesh surface;
-  surface.points = ball.points;
-  surface.triangles = ball.triangles;
-  surface.triangle_patches.assign(ball.triangles.size(), 0);
-  surface.info.patches = {{"wall", PatchKind::kWall, {1, 0}}};
   RepairRequest request;
   request.method = RepairMethod::kRebuild;
   request.max_distance.number = 5;
   Context context;
   int results = 0;
   context.report_results_to([&] { ++results; });
-  const RepairOutcome outcome = repair_surface(surface, request, context);
+  const RepairOutcome outcome = repair_surface(ball(), request, context);
   EXPECT_TRUE(outcome.was_rebuilt);
   EXPECT_EQ(results, 0);
+}
+
+TEST(RepairStage, ALargePartThatHangsAtAPointIsLeftOutWithAWarning) {
+  for (const std::uint32_t triangles : {8U, 24U}) {
+    std::vector<std::string> warnings;
+    Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+    const MixedMesh given = ball_with_disc(triangles);
+    const RepairOutcome outcome = repair_surface(given, {}, context);
+    EXPECT_EQ(outcome.surface.triangles.size(), given.triangles.size() - triangles);
+    ASSERT_EQ(warnings.size(), triangles == 24 ? 1U : 0U);
+    for (const std::string& text : warnings) EXPECT_NE(text.find("24 triangles"), std::string::npos) << text;
+  }
 }
 
 }  // namespace
