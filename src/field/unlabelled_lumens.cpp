@@ -1,10 +1,10 @@
 #include "unlabelled_lumens.hpp"
 
-#include <algorithm>
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
+
+#include "lumesh/core/squares.hpp"
 
 namespace lumesh::field {
 
@@ -12,61 +12,29 @@ namespace {
 
 constexpr std::size_t kMinLumen = 24;  // voxels; fewer are a speck
 
-enum class Reached : std::uint8_t { kNo, kYes, kOpen };
-
-/// Voxels of background that hang together with the start by faces along the axes, and have not been reached;
-/// none if one of them is open, which the search ends at.
-template <class IsOpen>
-std::vector<Index3> flooded(const LabelImage& image, const Index3& start, std::span<const int> axes,
-                            std::vector<Reached>& reached, const IsOpen& is_open) {
-  const ImageFrame& frame = image.frame();
-  std::vector<Index3> found;
-  bool any_open = false;
-  const auto reach = [&](const Index3& voxel) {
-    if (!frame.contains(voxel) || image.at(voxel) != 0) return;
-    Reached& at = reached[frame.offset(voxel)];
-    any_open = any_open || at == Reached::kOpen || is_open(voxel);
-    if (at != Reached::kNo) return;
-    at = Reached::kYes;
-    found.push_back(voxel);
-  };
-  reach(start);
-  for (std::size_t i = 0; i < found.size() && !any_open; ++i) {
-    const Index3 voxel = found[i];
-    for (const int axis : axes)
-      for (const int step : {-1, 1}) reach(voxel + step * Index3::Unit(axis));
-  }
-  if (!any_open) return found;
-  for (const Index3& voxel : found) reached[frame.offset(voxel)] = Reached::kOpen;
-  return {};
-}
-
-/// One layer of an image.
-LabelImage layer_of(const LabelImage& image, int axis, int place) {
-  ImageFrame frame = image.frame();
-  frame.size[axis] = 1;
-  LabelImage layer(frame, image.values());
-  for_each_place(Index3::Zero(), frame.size - Index3::Ones(), [&](const Index3& voxel) {
-    layer.at(voxel) = image.at(voxel + place * Index3::Unit(axis));
-  });
-  return layer;
-}
-
 /// Appends the voxels of background of a border layer from which no way in it leads to the layer's edge.
 void add_holes(const LabelImage& image, int axis, int place, std::vector<Index3>& holes) {
-  const LabelImage layer = layer_of(image, axis, place);
-  const std::array<int, 2> axes = {(axis + 1) % 3, (axis + 2) % 3};
-  const Index3 last = layer.frame().size - Index3::Ones();
-  std::vector<Reached> reached(layer.voxels().size(), Reached::kNo);
-  for_each_place(Index3::Zero(), last, [&](const Index3& voxel) {
-    const bool is_at_edge =
-        std::ranges::any_of(axes, [&](int a) { return voxel[a] == 0 || voxel[a] == last[a]; });
-    if (is_at_edge) (void)flooded(layer, voxel, axes, reached, [](const Index3& /*v*/) { return false; });
-  });
-  for_each_place(Index3::Zero(), last, [&](const Index3& voxel) {
-    if (layer.at(voxel) == 0 && reached[layer.frame().offset(voxel)] == Reached::kNo)
-      holes.push_back(voxel + place * Index3::Unit(axis));
-  });
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const Index3& size = image.frame().size;
+  const auto columns = static_cast<std::size_t>(size[u]), count = columns * static_cast<std::size_t>(size[v]);
+  const auto voxel = [&](std::size_t square) {
+    Index3 at;
+    at[axis] = place;
+    at[u] = static_cast<int>(square % columns);
+    at[v] = static_cast<int>(square / columns);
+    return at;
+  };
+  const std::vector<std::uint32_t> part =
+      connected_squares(columns, count, [&](std::size_t square) { return image.at(voxel(square)) == 0; });
+  std::vector<std::uint8_t> reaches_edge(count + 1, 0);
+  reaches_edge[0] = 1;  // The object.
+  for (std::size_t square = 0; square < count; ++square) {
+    const Index3 at = voxel(square);
+    if (at[u] == 0 || at[v] == 0 || at[u] + 1 == size[u] || at[v] + 1 == size[v])
+      reaches_edge[part[square]] = 1;
+  }
+  for (std::size_t square = 0; square < count; ++square)
+    if (reaches_edge[part[square]] == 0) holes.push_back(voxel(square));
 }
 
 /// Whether a voxel is in the image's first or last layer along an axis.
@@ -74,18 +42,55 @@ bool is_at_border(const ImageFrame& frame, const Index3& voxel) {
   return (voxel.array() == 0).any() || (voxel.array() == frame.size.array() - 1).any();
 }
 
-/// Voxels of the background that hangs together with these holes and leaves the image through them alone.
+/// The search for background that leaves the image through holes alone.
+class LumenSearch {
+ public:
+  LumenSearch(const LabelImage& image, const std::vector<Index3>& holes)
+      : image_(image), is_hole_(image.voxels().size(), 0), reached_(is_hole_.size(), Reached::kNo) {
+    for (const Index3& hole : holes) is_hole_[image.frame().offset(hole)] = 1;
+  }
+
+  /// Voxels that hang together with a hole by faces and have not been reached; none if one of them leaves the
+  /// image elsewhere, which the search ends at.
+  std::vector<Index3> behind(const Index3& hole) {
+    std::vector<Index3> found;
+    bool is_open = reach(hole, found);
+    for (std::size_t i = 0; i < found.size() && !is_open; ++i) {
+      const Index3 voxel = found[i];
+      for (int axis = 0; axis < 3; ++axis)
+        for (const int step : {-1, 1}) is_open = reach(voxel + step * Index3::Unit(axis), found) || is_open;
+    }
+    if (!is_open) return found;
+    for (const Index3& voxel : found) reached_[image_.frame().offset(voxel)] = Reached::kOpen;
+    return {};
+  }
+
+ private:
+  enum class Reached : std::uint8_t { kNo, kYes, kOpen };
+
+  /// @return Whether the voxel is, or hangs together with, one that leaves the image elsewhere.
+  bool reach(const Index3& voxel, std::vector<Index3>& found) {
+    const ImageFrame& frame = image_.frame();
+    if (!frame.contains(voxel) || image_.at(voxel) != 0) return false;
+    Reached& at = reached_[frame.offset(voxel)];
+    if (at == Reached::kNo) {
+      at = Reached::kYes;
+      found.push_back(voxel);
+    }
+    return at == Reached::kOpen || (is_at_border(frame, voxel) && is_hole_[frame.offset(voxel)] == 0);
+  }
+
+  const LabelImage& image_;
+  std::vector<std::uint8_t> is_hole_;
+  std::vector<Reached> reached_;
+};
+
+/// Voxels of the background that leaves the image through these holes alone.
 std::vector<Index3> voxels_of_lumens(const LabelImage& image, const std::vector<Index3>& holes) {
-  const ImageFrame& frame = image.frame();
-  std::vector<std::uint8_t> is_hole(image.voxels().size(), 0);
-  for (const Index3& hole : holes) is_hole[frame.offset(hole)] = 1;
-  const auto is_open = [&](const Index3& voxel) {
-    return is_at_border(frame, voxel) && is_hole[frame.offset(voxel)] == 0;
-  };
-  std::vector<Reached> reached(is_hole.size(), Reached::kNo);
+  LumenSearch search(image, holes);
   std::vector<Index3> voxels;
   for (const Index3& hole : holes) {
-    const std::vector<Index3> lumen = flooded(image, hole, std::array<int, 3>{0, 1, 2}, reached, is_open);
+    const std::vector<Index3> lumen = search.behind(hole);
     if (lumen.size() >= kMinLumen) voxels.insert(voxels.end(), lumen.begin(), lumen.end());
   }
   return voxels;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_words.hpp"
@@ -21,25 +22,17 @@ bool is_word_without_letters(const std::string& word, const std::string& name) {
 
 std::string name_patches_by_words(std::vector<Patch>& patches, std::string_view otherwise) {
   std::vector<Patch> named;
-  std::vector<std::string> told;
+  std::vector<std::pair<std::string, std::string>> changed;
   for (const Patch& patch : patches) {
     const std::string word = patch_word(patch.name);
     const bool is_lost = is_word_without_letters(word, patch.name);
     const std::string name =
         free_patch_name(named, is_lost ? fmt::format("{}_{}", otherwise, named.size() + 1) : word);
-    if (name != patch.name) told.push_back(fmt::format("\"{}\" is {}", patch.name, name));
+    if (name != patch.name) changed.emplace_back(patch.name, name);
     named.push_back({name, kind_of_name(name), {}});
   }
   patches = std::move(named);
-  if (told.empty()) return "";
-  constexpr std::size_t kMaxTold = 12;
-  if (told.size() > kMaxTold) {
-    const std::string more = fmt::format("and {} more", told.size() - kMaxTold);
-    told.resize(kMaxTold);
-    told.push_back(more);
-  }
-  return fmt::format("names of patches keep ASCII's letters, digits and _ - . only: {}",
-                     fmt::join(told, ", "));
+  return changed_names_text(changed);
 }
 
 }  // namespace lumesh::io

@@ -1,6 +1,10 @@
 #include "lumesh/mesh/patch_words.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <span>
 
 #include "lumesh/mesh/patch_list.hpp"
 
@@ -56,6 +60,17 @@ const std::string& PatchWords::add(std::string_view name, std::string_view other
   if (word.empty()) word = patch_word(otherwise);
   if (word.empty() || is_digit(word.front())) word.insert(0, "_");
   return *words_.insert(free_word(word, words_)).first;
+}
+
+std::string changed_names_text(const std::vector<std::pair<std::string, std::string>>& changed) {
+  if (changed.empty()) return "";
+  constexpr std::size_t kMaxTold = 12;
+  std::vector<std::string> told;
+  for (const auto& [name, word] : std::span(changed).first(std::min(kMaxTold, changed.size())))
+    told.push_back(fmt::format("\"{}\" is {}", name, word));
+  if (changed.size() > kMaxTold) told.push_back(fmt::format("and {} more", changed.size() - kMaxTold));
+  return fmt::format("names of patches keep ASCII's letters, digits and _ - . only: {}",
+                     fmt::join(told, ", "));
 }
 
 std::map<Label, std::string> label_words(const std::map<Label, std::string>& label_names) {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <utility>
 #include <vector>
 
 #include "lumesh/core/error.hpp"
@@ -29,14 +30,13 @@ void describe_surface_output(OptionList& list, std::string& path) {
 void warn_of_names(const std::string& path, const MeshView& mesh, const Context& context) {
   if (!is_for(path, FileUse::kWordNames)) return;
   PatchWords words;
-  std::string told;
+  std::vector<std::pair<std::string, std::string>> changed;
   for (std::size_t p = 0; p < mesh.info->patches.size(); ++p) {
     const std::string& name = mesh.info->patches[p].name;
     const std::string& word = words.add(name, fmt::format("patch_{}", p + 1));
-    if (word != name) told += fmt::format("{}\"{}\" is {}", told.empty() ? "" : ", ", name, word);
+    if (word != name) changed.emplace_back(name, word);
   }
-  if (told.empty()) return;
-  context.warn(path + ": names of patches keep ASCII's letters, digits and _ - . only: " + told);
+  if (!changed.empty()) context.warn(path + ": " + changed_names_text(changed));
 }
 
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,

@@ -5,6 +5,8 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "lumesh/core/types.hpp"
 
@@ -26,6 +28,10 @@ class PatchWords {
  private:
   std::set<std::string> words_;
 };
+
+/// Text that tells which names of patches became which words, the first dozen of them; empty for none.
+/// @param changed  Names and their words.
+[[nodiscard]] std::string changed_names_text(const std::vector<std::pair<std::string, std::string>>& changed);
 
 /// What labels are called within the names of patches and zones: patch_word() of their names, with _2, …
 /// behind the second one, … of equal ones. It depends on the names alone, not on which of them a mesh has.
