@@ -7,6 +7,7 @@
 #include <itkMetaDataObject.h>
 #include <itkNrrdImageIO.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <iostream>
@@ -180,11 +181,25 @@ void read_to_the_end(const fs::path& path, itk::ImageIOBase& io, std::byte* voxe
   fail(path, kTruncated);
 }
 
+/// Coordinates in LPS. ITK before the mend of its issue 5207 (2025) turns the wrong axis of the space
+/// left-anterior-superior, and none of spaces with time.
+void turn_to_lps(const NrrdNotes& notes, ImageHeader& header) {
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    double along = 0;  // Positive where ITK left the coordinate as it is.
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, notes.axes.size()); ++i)
+      along += header.direction(row, static_cast<Eigen::Index>(i)) * notes.axes[i][row];
+    if (!(along * notes.to_lps[row] < 0)) continue;
+    header.direction.row(row) *= -1;
+    header.origin_mm[row] *= -1;
+  }
+}
+
 RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoice& choice, Context& context) {
   const bool is_nrrd = dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
   const NrrdNotes notes = is_nrrd ? nrrd_notes(path) : NrrdNotes{true, 1};  // Before ITK reads it.
   ImageHeader header = read_header(path, io);
   header.has_spacing = notes.has_spacing;
+  turn_to_lps(notes, header);
   const double unit_mm = choice.unit_mm.value_or(notes.unit_mm);
   header.spacing_mm *= unit_mm;
   header.origin_mm *= unit_mm;

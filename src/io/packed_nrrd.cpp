@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -51,6 +52,31 @@ double unit_mm(std::string_view line) {
   if (unit == "cm") return 10;
   if (unit == "um" || unit == "micron" || unit == "microns" || unit == "micrometer") return 0.001;
   return 1;
+}
+
+/// The vectors of a line such as: space directions: none (0,1,0) (0,0,-1) (1.5,0,0)
+std::vector<Vec3> vectors_of(const std::string& line) {
+  std::vector<Vec3> vectors;
+  for (std::size_t at = line.find('('); at != std::string::npos; at = line.find('(', at + 1)) {
+    Vec3& v = vectors.emplace_back(Vec3::Zero());
+    const char* from = line.c_str() + at;
+    for (int i = 0; i < 3 && (*from == '(' || *from == ','); ++i) {
+      char* end = nullptr;
+      v[i] = std::strtod(from + 1, &end);
+      from = end;
+    }
+  }
+  return vectors;
+}
+
+/// Signs that turn coordinates of a space into LPS; none for spaces of no known sides.
+std::optional<Vec3> factors_to_lps(std::string_view space) {
+  if (space.ends_with("-time")) space.remove_suffix(5);
+  if (space.size() == 4 && space.ends_with('t')) space.remove_suffix(1);
+  if (space == "lps" || space == "left-posterior-superior") return Vec3(1, 1, 1);
+  if (space == "las" || space == "left-anterior-superior") return Vec3(1, -1, 1);
+  if (space == "ras" || space == "right-anterior-superior") return Vec3(-1, -1, 1);
+  return std::nullopt;
 }
 
 /// Whether a text stands for names of files by their numbers, such as "slice%03d.raw".
@@ -109,6 +135,8 @@ NrrdNotes nrrd_notes(const fs::path& path) {
   constexpr std::size_t kLongestText = 8000, kLongestField = 500;  // Teem's messages quote fields.
   std::ifstream in(path, std::ios::binary);
   NrrdNotes notes;
+  std::vector<Vec3> axes;
+  std::optional<Vec3> to_lps;
   std::string text;
   while (std::getline(in, text) && !text.empty() && text != "\r") {
     if (text.size() > (is_free_text(text) ? kLongestText : kLongestField))
@@ -117,10 +145,13 @@ NrrdNotes nrrd_notes(const fs::path& path) {
     const bool has_digits = text.find_first_of("0123456789") != std::string::npos;
     if (is_field(text, "spacings") || is_field(text, "spacedirections"))
       notes.has_spacing = notes.has_spacing || has_digits;
+    if (is_field(text, "spacedirections")) axes = vectors_of(text);
+    if (is_field(text, "space")) to_lps = factors_to_lps(field_value(text));
     if (is_field(text, "spaceunits")) notes.unit_mm = unit_mm(text);
     if (is_field(text, "datafile") && is_pattern(text))
       fail(path, "keeps its voxels in files named by a pattern; save it as one .nrrd file");
   }
+  if (to_lps) notes.axes = std::move(axes), notes.to_lps = *to_lps;
   return notes;
 }
 

@@ -181,6 +181,9 @@ void require_sound_nrrd(const std::filesystem::path& path);
 struct NrrdNotes {
   bool has_spacing = false;  ///< ITK takes 1 mm where it is missing.
   double unit_mm = 1;        ///< By "space units".
+  std::vector<Vec3> axes =
+      {};                      ///< "Space directions", in the file's space; empty if that has no known sides.
+  Vec3 to_lps = Vec3::Ones();  ///< Factors of its coordinates.
 };
 /// @throws Error{kBadInput} for headers that the library behind ITK reads beyond its memory: lines of more
 /// than 8,000 characters, and lists of data files by a pattern.

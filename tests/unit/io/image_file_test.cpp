@@ -98,6 +98,25 @@ TEST_F(ImageFile, TurnsNrrdInRasIntoLps) {
   EXPECT_TRUE(frame.to_physical({1, 2, 3}).isApprox(Vec3(-11, -22, 33)));
 }
 
+TEST_F(ImageFile, TurnsNrrdInRasWithTimeIntoLps) {
+  const std::string header =
+      "NRRD0004\ntype: uint8\ndimension: 4\nspace: right-anterior-superior-time\nsizes: 3 4 5 1\nspace "
+      "directions: (1,0,0,0) (0,1,0,0) (0,0,1,0) (0,0,0,1)\nencoding: raw\nspace origin: (10,20,30,0)\n\n";
+  const ImageFrame frame = read("a.nrrd", header + bytes_of(sixty_voxels())).frame();
+  EXPECT_TRUE(frame.to_physical({1, 2, 3}).isApprox(Vec3(-11, -22, 33)));
+}
+
+/// ITK 5.2 turns the axes to the left instead of those to the front: its issue 5207.
+TEST_F(ImageFile, TurnsNrrdInLasIntoLps) {
+  for (const char* const space : {"left-anterior-superior", "LAS"}) {
+    NrrdText nrrd;
+    nrrd.frame = std::string("space: ") + space +
+                 "\nspace directions: (0,2,0) (3,0,0) (0,0,1)\nspace origin: (10,20,30)\n";
+    const ImageFrame frame = read("a.nrrd", nrrd.with(bytes_of(sixty_voxels()))).frame();
+    EXPECT_TRUE(frame.to_physical({1, 2, 3}).isApprox(Vec3(16, -22, 33))) << space;
+  }
+}
+
 TEST_F(ImageFile, KeepsMirroredAxes) {
   NrrdText nrrd;
   nrrd.frame =
