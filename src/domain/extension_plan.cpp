@@ -35,6 +35,7 @@ class ExtensionPlanner {
     plan_.tubes.resize(plan_.groups.size());
     plan_.lengths_mm.resize(plan_.groups.size());
     radii_mm_.resize(plan_.groups.size());
+    is_clear_.resize(plan_.groups.size());
     find_directions();
     find_gaps();
     make_neighbours_parallel();
@@ -78,7 +79,9 @@ class ExtensionPlanner {
       directions_.push_back(section.plane.normal);
       if (!is_wanted(g)) continue;
       const double depth_mm = (main.is_hollow() ? kRadiiOfHollow : 1) * main.lumen_radius_mm();
-      if (const auto axis = end_axis(domain_, section, std::max(depth_mm, kMinDepth * voxel_mm_)))
+      const auto axis = end_axis(domain_, section, std::max(depth_mm, kMinDepth * voxel_mm_));
+      is_clear_[g] = axis.has_value();
+      if (axis)
         directions_[g] = *axis;
       else
         note(g,
@@ -126,8 +129,10 @@ class ExtensionPlanner {
     for (std::size_t g = 0; g < found.size(); ++g) {
       Vec3 sum = plan_.groups[g].section.area_mm2 * found[g];
       for (std::size_t other = 0; other < found.size(); ++other)
-        if (other != g && may_become_parallel(g, other, found))
+        if (other != g && may_become_parallel(g, other, found)) {
           sum += plan_.groups[other].section.area_mm2 * found[other];
+          is_clear_[g] = false;  // Walls that lean towards the other one are not to be followed.
+        }
       directions_[g] = sum.normalized();
     }
   }
@@ -161,6 +166,7 @@ class ExtensionPlanner {
       set_circles(group, tube, *carried, radii_mm_[g]);
       of_cut->circle_mm = tube.outer.radius_mm + kCutAir * voxel_mm_;
     }
+    if (is_clear_[g]) find_ramp(g);
     double length_mm = wanted_mm(group, radii_mm_[g]);
     const double min_mm = min_length_mm(g);
     if (length_mm > 0 && length_mm < min_mm) {
@@ -172,11 +178,48 @@ class ExtensionPlanner {
     set_length(g, length_mm);
   }
 
-  /// The end has to stand off the opening's plane.
-  [[nodiscard]] double min_length_mm(std::size_t g) const {
+  /// How far the opening's plane leans along the extension.
+  [[nodiscard]] double slant_mm(std::size_t g) const {
     const EndSection& section = plan_.groups[g].section;
-    const double cosine = plan_.tubes[g].section->direction.dot(section.plane.normal);
-    return section.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine)) + voxel_mm_;
+    const double cosine = directions_[g].dot(section.plane.normal);
+    return section.reach_mm * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+  }
+  /// The end has to stand off the opening's plane.
+  [[nodiscard]] double min_length_mm(std::size_t g) const { return slant_mm(g) + voxel_mm_; }
+
+  /// The slopes are those of the outer wall around the opening, in its plane.
+  void find_ramp(std::size_t g) {
+    const CarriedSection& section = *plan_.tubes[g].bare;
+    WallRamp ramp(section.direction, plan_.groups[g].section.reach_mm);
+    std::vector<Vec3> places;
+    for (const Vec3& square : rim_squares(section)) {
+      const FieldSample at = domain_.separation(square, 1, 0);
+      const Vec3 across = at.gradient - at.gradient.dot(section.normal) * section.normal;
+      if (!(std::abs(at.value) < voxel_mm_ * across.norm())) continue;
+      places.emplace_back(square - at.value / across.squaredNorm() * across - section.centre_mm);
+      const FieldSample wall = domain_.separation(section.centre_mm + places.back(), 1, 0);
+      ramp.add_wall(places.back(), -wall.gradient.normalized(), 1);
+    }
+    ramp.fit();
+    ramp.set_length(WallRamp::kRadii * radii_mm_[g]);
+    double steepest = 0;
+    for (const Vec3& off : places) steepest = std::max(steepest, ramp.slope(off).norm());
+    ramp.limit(steepest, section.direction.dot(section.normal));
+    plan_.tubes[g].ramp = ramp;
+  }
+  /// Squares of a section without air that have a neighbour outside.
+  [[nodiscard]] static std::vector<Vec3> rim_squares(const CarriedSection& section) {
+    const auto is_inside = [&](int i, int j) {
+      return section.inside[static_cast<std::size_t>(j) * static_cast<std::size_t>(section.columns) +
+                            static_cast<std::size_t>(i)] >= 0;
+    };
+    std::vector<Vec3> places;
+    for (int j = 1; j + 1 < section.rows; ++j)
+      for (int i = 1; i + 1 < section.columns; ++i)
+        if (is_inside(i, j) &&
+            !(is_inside(i - 1, j) && is_inside(i + 1, j) && is_inside(i, j - 1) && is_inside(i, j + 1)))
+          places.push_back(section.square(i, j));
+    return places;
   }
 
   void set_circles(const OpeningGroup& group, VesselTube& tube, CarriedSection& carried, double radius_mm) {
@@ -212,6 +255,8 @@ class ExtensionPlanner {
     }
     const CarriedSection& section = *tube.section;
     tube.stays = length_mm == 0;
+    const double straight_mm = std::max(0.0, length_mm - slant_mm(g));
+    tube.ramp.set_length(is_clear_[g] ? std::min(WallRamp::kRadii * radii_mm_[g], straight_mm) : 0);
     if (tube.stays) tube.transition_mm = -1;
     tube.end_mm = section.centre_mm + length_mm * section.direction;
     tube.end_normal = section.direction;
@@ -225,6 +270,8 @@ class ExtensionPlanner {
         tube.box_mm.extend(
             Vec3(corner + std::max(0.0, (last - corner).dot(section.direction)) * section.direction));
       }
+    const Vec3 margin = Vec3::Constant(tube.ramp.max_displacement_mm());
+    tube.box_mm = {tube.box_mm.min() - margin, tube.box_mm.max() + margin};
   }
 
   void note(std::size_t g, const std::string& text) {
@@ -271,9 +318,11 @@ class ExtensionPlanner {
     const double last_mm = plan_.lengths_mm[g] + clearance_mm(g), step_mm = 0.8 * voxel_mm_;
     for (double along_mm = step_mm; along_mm < last_mm + step_mm; along_mm += step_mm)
       for (const PlaceAcross& from : places) {
-        const Vec3 x = from.place_mm + std::min(along_mm, last_mm) * section.direction;
+        const double at_mm = std::min(along_mm, last_mm);
+        const Vec3 x = from.place_mm + at_mm * section.direction +
+                       tube.ramp.displacement(from.place_mm - section.centre_mm, at_mm);
         if ((x - section.centre_mm).dot(section.normal) > 0.5 * voxel_mm_ && is_taken(x, from.off_mm, g))
-          return Hit{std::min(along_mm, last_mm), x};
+          return Hit{at_mm, x};
       }
     return std::nullopt;
   }
@@ -330,6 +379,7 @@ class ExtensionPlanner {
   std::optional<LocalLength> transition_;
   double voxel_mm_;
   std::vector<Vec3> directions_;              // Of extensions, unit.
+  std::vector<bool> is_clear_;                // Whether the walls before an opening show its direction.
   std::vector<std::vector<double>> gaps_mm_;  // Between sections, at most kApart.
   std::vector<double> radii_mm_;              // Of the lumens, square to their axes.
   ExtensionPlan plan_;

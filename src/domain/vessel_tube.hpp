@@ -7,6 +7,7 @@
 #include "lumesh/core/smoothstep.hpp"
 #include "lumesh/domain/carried_section.hpp"
 #include "lumesh/field/label_field.hpp"
+#include "lumesh/geometry/wall_ramp.hpp"
 
 namespace lumesh {
 
@@ -15,14 +16,15 @@ struct Circle {
   double radius_mm = 0;
 };
 
-/// The section of an opening carried along a direction. Functions are those of the field it is carried from,
-/// in its units.
+/// The section of an opening carried along a direction, at first along the walls before it. Functions are
+/// those of the field it is carried from, in its units.
 struct VesselTube {
   using LabelIndex = LabelField::LabelIndex;
 
   std::shared_ptr<const CarriedSection> section;
   std::shared_ptr<const CarriedSection> of_cut;  ///< With less air: what the end's plane cuts.
   std::shared_ptr<const CarriedSection> bare;    ///< The same without air: negative by the distance from it.
+  WallRamp ramp = {Vec3::UnitZ(), 1};            ///< Level where walls do not tell a direction.
   Vec3 end_mm = Vec3::Zero();                    ///< On the end's plane, on the axis.
   Vec3 end_normal = Vec3::UnitZ();               ///< Unit.
   double stump_mm = 0;                           ///< Beyond the end's plane it goes on by this.
@@ -41,6 +43,7 @@ struct VesselTube {
   /// Whether it may reach into a ball, with its air.
   [[nodiscard]] bool may_meet(const Vec3& middle, double radius_mm) const {
     const CarriedSection& s = *section;
+    radius_mm += ramp.max_displacement_mm();
     if ((middle - s.centre_mm).dot(s.normal) < -radius_mm) return false;
     if ((middle - end_mm).dot(end_normal) > stump_mm + radius_mm) return false;
     if (s.off_axis_mm(middle) <= s.circle_mm + radius_mm) return true;
@@ -74,11 +77,21 @@ struct VesselTube {
 
  private:
   /// Where the field knows what is there.
-  [[nodiscard]] Vec3 source_of(const Vec3& x) const { return stays ? x : section->carried_back(x); }
+  [[nodiscard]] Vec3 source_of(const Vec3& x) const { return stays ? x : place_before(x); }
+  /// The place of the plane that is carried to x.
+  [[nodiscard]] Vec3 place_before(const Vec3& x) const {
+    constexpr int kSteps = 2;  // Of a fixed point, whose error the first one leaves squared.
+    Vec3 place = section->carried_back(x);
+    for (int step = 0; step < kSteps; ++step) {
+      const double along_mm = (x - place).dot(section->direction);
+      place = section->carried_back(x - ramp.displacement(place - section->centre_mm, along_mm));
+    }
+    return place;
+  }
   /// Without what of the plane is another vessel's. Beyond the image, where the opening is at an edge of it,
   /// the field only repeats itself.
   [[nodiscard]] double section_value(const LabelField& field, const Vec3& x) const {
-    const Vec3 on_plane = section->carried_back(x);
+    const Vec3 on_plane = place_before(x);
     if (section->inside_section_mm(on_plane) <= 0) return -LabelField::kStoredLimit;
     const double value = field.difference_value(field.frame().to_index(stays ? x : on_plane), 1, 0);
     const double off_mm = -bare->inside_section_mm(on_plane);

@@ -22,11 +22,11 @@
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/geometry/wall_ramp.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/mesh/edge_loops.hpp"
 #include "lumesh/mesh/tetrahedral_split.hpp"
-#include "wall_ramp.hpp"
 
 namespace lumesh {
 namespace {
@@ -345,20 +345,18 @@ class Extruder {
 
   /// The slopes are those of the first one or two rings of the wall: further in it may taper otherwise.
   void find_ramp(SweptSection& s, double most_mm) const {
-    constexpr double kRadii = 1.5, kDepth = 0.15, kRows = 1.25;
-    constexpr double kMaxFold = 0.75;  // At 1 the section might fold on its way.
+    constexpr double kDepth = 0.15, kRows = 1.25;
     if (!s.is_clear) return;
     WallRamp ramp(s.axis, s.reach_mm);
     for_each_wall_before(
         s, std::max(kDepth * s.reach_mm, kRows * row_height_mm(s)),
         [&](const Vec3& off, const Vec3& normal, double area) { ramp.add_wall(off, normal, area); });
     ramp.fit();
-    ramp.set_length(std::min(kRadii * s.radius_mm, most_mm));
+    ramp.set_length(std::min(WallRamp::kRadii * s.radius_mm, most_mm));
     double steepest = 0;
     for (const std::uint32_t v : s.vertices)
       steepest = std::max(steepest, ramp.slope(point(v) - s.centre_mm).norm());
-    const double cosine = s.axis.dot(s.normal), lean = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
-    ramp.flatten(std::max({1.0, steepest / kSteepest, (ramp.strain() + lean * steepest) / kMaxFold}));
+    ramp.limit(steepest, s.axis.dot(s.normal));
     s.ramp = ramp;
   }
 
@@ -427,7 +425,7 @@ class Extruder {
   [[nodiscard]] std::optional<Hit> first_hit(const SweptSection& s, double last_mm) const {
     const Vec3 u = s.axis.unitOrthogonal(), v = s.axis.cross(u);
     const double half_width_mm =  // Of what a square column around the axis holds.
-        s.reach_mm + WallRamp::kHighest * kSteepest * s.ramp.length_mm() + s.edge_mm;
+        s.reach_mm + s.ramp.max_displacement_mm() + s.edge_mm;
     const auto is_in_way = [&](std::span<const std::uint32_t> face) {
       bool is_beyond = false;
       Vec2 least = Vec2::Constant(half_width_mm), most = -least;
@@ -597,8 +595,6 @@ class Extruder {
         for (std::uint32_t& v : m.quadrilaterals[q]) v = vertex(s, v, rows);
   }
 
-  static constexpr double kSteepest =
-      0.36;  // Tangent of 20 degrees: steeper walls keep a crease of the rest.
   static constexpr double kMaxRowOfRadius = 0.25;  // Ramps, and those to a circle, are smooth then.
 
   LayerCells cells_;

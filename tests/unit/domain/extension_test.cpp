@@ -255,6 +255,48 @@ TEST(ExtendOpenings, StopsBeforeTheObject) {
   EXPECT_EQ(label_topology(e.result.image).at(0).component_count, 2U);
 }
 
+/// Degrees between normals of the outer wall half a voxel before and behind the plane of an opening, mean
+/// over the sides.
+double crease_deg(const Domain& domain, const Opening& opening, const Vec3& direction) {
+  constexpr int kSides = 24;
+  const Vec3 u = direction.unitOrthogonal(), v = direction.cross(u);
+  double sum = 0;
+  for (int side = 0; side < kSides; ++side) {
+    const double angle = 2 * std::numbers::pi * side / kSides;
+    const Vec3 out = std::cos(angle) * u + std::sin(angle) * v;
+    const auto wall_normal = [&](const Vec3& centre) {
+      double inside = 0, outside = 12;
+      for (int step = 0; step < 40; ++step) {
+        const double middle = (inside + outside) / 2;
+        (domain.separation_value(centre + middle * out, 1, 0) > 0 ? inside : outside) = middle;
+      }
+      return Vec3(domain.separation(centre + inside * out, 1, 0).gradient.normalized());
+    };
+    const Vec3 before = wall_normal(opening.centre_mm - 0.5 * opening.normal),
+               behind = wall_normal(opening.centre_mm + 0.5 * opening.normal);
+    sum += std::acos(std::min(1.0, before.dot(behind))) * 180 / std::numbers::pi / kSides;
+  }
+  return sum;
+}
+
+TEST(ExtendOpenings, GoesOnAlongWallsThatTaper) {
+  const double slope = std::tan(7 * std::numbers::pi / 180);
+  const StraightTube axis{{19.3, 18.2, 16}, Vec3(0.1, -0.05, 1).normalized(), 0};
+  const Extended e(fixtures::voxels_of(fixtures::frame_of({40, 36, 32}), {0, 3},
+                                       [&](const Vec3& p) {
+                                         const double along = (p - axis.through).dot(axis.axis);
+                                         return axis.off(p) < 7 - slope * along ? 1 : 0;
+                                       }),
+                   "3r");
+  EXPECT_TRUE(e.result.notes.empty());
+  ASSERT_EQ(e.openings.size(), 2U);
+  for (const Opening& opening : e.openings) {
+    const Opening& end = e.ends.at(opening.name);
+    EXPECT_LT(crease_deg(*e.result.domain, opening, end.normal), 3) << opening.name;
+    EXPECT_NEAR(end.area_mm2 / (opening.area_mm2 * end.normal.dot(opening.normal)), 1, 0.01) << opening.name;
+  }
+}
+
 TEST(ExtendOpenings, GivesTheSameBitsForEveryThreadCount) {
   const StraightTube tube{{19.3, 18.2, 16}, Vec3(0.45, -0.2, 1).normalized(), 4};
   const Extended one = [&] {

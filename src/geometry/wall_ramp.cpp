@@ -1,6 +1,8 @@
-#include "wall_ramp.hpp"
+#include "lumesh/geometry/wall_ramp.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
 #include <complex>
 
 namespace lumesh {
@@ -26,6 +28,12 @@ double WallRamp::strain() const {
   double sum = std::abs(slopes_[0]);
   for (int k = 1; k < kWaves; ++k) sum += k * slopes_.segment<2>(1 + 2 * k).norm();
   return kHighest * length_mm_ / reach_mm_ * sum;
+}
+
+void WallRamp::limit(double steepest, double cosine) {
+  constexpr double kMaxFold = 0.75;  // At 1 the section might fold on its way.
+  const double lean = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
+  slopes_ /= std::max({1.0, steepest / kSteepest, (strain() + lean * steepest) / kMaxFold});
 }
 
 void WallRamp::add_wall(const Vec3& off_mm, const Vec3& normal, double area) {

@@ -1,6 +1,6 @@
 #pragma once
-// How a wall that tapers or leans goes over to a straight extension. Derived in docs/stages/layers.md, "From
-// the wall to the extension".
+/// @file How a wall that tapers or leans goes over to a straight extension. Derived in docs/stages/layers.md,
+/// "From the wall to the extension".
 
 #include <Eigen/Core>
 
@@ -16,8 +16,13 @@ class WallRamp {
   WallRamp(const Vec3& axis, double reach_mm)
       : axis_(axis), u_(axis.unitOrthogonal()), v_(axis.cross(u_)), reach_mm_(reach_mm) {}
 
+  static constexpr double kRadii = 1.5;  ///< Its length, of the section, where the extension has that.
+  static constexpr double kSteepest =
+      0.36;  ///< Tangent of 20 degrees: steeper walls keep the rest of a crease.
   /// The greatest displacement, that at L / 3, over length and slope.
   static constexpr double kHighest = 4.0 / 27;
+  /// Bound of all displacements once limit() was called.
+  [[nodiscard]] double max_displacement_mm() const { return kHighest * kSteepest * length_mm_; }
   [[nodiscard]] double length_mm() const { return length_mm_; }
   void set_length(double length_mm) { length_mm_ = length_mm; }
   /// The slope across the axis, by length along it. @param off_mm  From the section's centre, as everywhere
@@ -28,10 +33,10 @@ class WallRamp {
     const double left = 1 - along_mm / length_mm_;
     return along_mm * left * left * slope(off_mm);
   }
-  /// The greatest change of a distance across the axis, as a part of it.
-  [[nodiscard]] double strain() const;
-  /// Divides all slopes by as much.
-  void flatten(double times) { slopes_ /= times; }
+  /// Division of all slopes by as much as makes none steeper than kSteepest and folds nothing, by the length
+  /// that was set. @param steepest  Of the slopes at the section's places. @param cosine  Of the axis and the
+  /// section's normal.
+  void limit(double steepest, double cosine);
 
   /// A face of the wall, with its unit normal, that fit() has slopes follow.
   void add_wall(const Vec3& off_mm, const Vec3& normal, double area);
@@ -42,6 +47,8 @@ class WallRamp {
   static constexpr int kUnknowns = 1 + 2 * kWaves;
   using Slopes = Eigen::Matrix<double, kUnknowns, 1>;
 
+  /// The greatest change of a distance across the axis, as a part of it.
+  [[nodiscard]] double strain() const;
   /// Slopes, along u and v, that each of the unknowns gives a place.
   [[nodiscard]] Eigen::Matrix<double, 2, kUnknowns> parts_at(const Vec3& off_mm) const;
 
