@@ -126,7 +126,7 @@ Polylines DomainRead::axes(const CenterlineOptions& options) const {
 }
 
 void DomainRead::look_at_surface() {
-  warn_of_unit(surface->mesh, openings(), input_.selection.unit, name, context_);
+  warn_of_unit(*surface, openings(), input_.selection.unit, name, context_);
   for (const std::string& note : domain_of_surface().patch_notes()) context_.warn(name + ": " + note);
   name_closed(surface->closed, domain().flat_ends());
 }

@@ -88,19 +88,19 @@ MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& uni
   return mesh;
 }
 
-std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings) {
-  if (surface.points.empty()) return "";
-  ModelSizes sizes{bounding_box(surface.points).sizes().maxCoeff()};
+std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings, const Box3& given_mm) {
+  if (given_mm.isEmpty()) return "";
+  ModelSizes sizes{given_mm.sizes().maxCoeff()};
   for (const Opening& opening : openings)
     sizes.widest_radius_mm = std::max(sizes.widest_radius_mm, opening.lumen_radius_mm());
   sizes.has_numbered_faces = has_numbered_faces(surface.info.patches);
   return unit_doubt(sizes);
 }
 
-void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, const std::string& unit,
+void warn_of_unit(const SurfaceInput& surface, std::span<const Opening> openings, const std::string& unit,
                   const std::filesystem::path& path, const Context& context) {
   if (!unit.empty()) return;
-  const std::string doubt = unit_doubt(surface, openings);
+  const std::string doubt = unit_doubt(surface.mesh, openings, surface.given_box_mm);
   if (!doubt.empty()) context.warn(path.string() + ": " + doubt);
 }
 

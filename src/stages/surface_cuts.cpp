@@ -124,10 +124,16 @@ class SurfaceCutter {
   /// Cuts off the ends of vessels that end in an opening.
   void clip_ends(const LocalLength& length, std::span<const FlatEnd> ends) {
     const Polylines lines = axes_of(mesh_);
+    std::vector<Vec3> closed_ends;
+    const auto is_end = [&](std::uint32_t tip) {
+      if (is_at_end(lines.points[tip], ends)) return true;
+      closed_ends.push_back(lines.points[tip]);
+      return false;
+    };
     const std::vector<Vec3> tried = cut_ends(
-        lines, length, [&](std::uint32_t tip) { return is_at_end(lines.points[tip], ends); },
-        [](const Vec3&, const Vec3&, double) { return 0.0; }, {},
+        lines, length, is_end, [](const Vec3&, const Vec3&, double) { return 0.0; }, {},
         [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
+    if (ends.empty()) warn_of_closed_ends(closed_ends);
     for (const FlatEnd& end : ends)
       if (std::ranges::none_of(tried, [&](const Vec3& tip) { return is_at_end(tip, std::span(&end, 1)); }))
         context_.warn(
@@ -136,6 +142,15 @@ class SurfaceCutter {
   }
 
  private:
+  void warn_of_closed_ends(const std::vector<Vec3>& ends) const {
+    std::string places;
+    for (const Vec3& end : ends) places += (places.empty() ? " at " : ", ") + place_text(end);
+    context_.warn(
+        fmt::format("{}: the surface has no flat end to cut off; vessels end rounded{}: `cut_at` with a "
+                    "place on the vessel before one opens it",
+                    option_name("clip_ends"), places));
+  }
+
   [[nodiscard]] std::int32_t patch_count() const {
     return static_cast<std::int32_t>(mesh_.info.patches.size());
   }
@@ -212,8 +227,8 @@ void extend_ends(const PatchedSurface& patched, const ExtensionOptions& extensio
                  const Context& context) {
   if (patched.flat_ends().empty())
     throw Error(ErrorKind::kBadInput, option_name("extend") +
-                                          ": the surface has no flat end; cut vessels with `cut_at` or "
-                                          "`clip_ends`, which makes openings");
+                                          ": the surface has no flat end; cut vessels with `cut_at`, "
+                                          "which makes openings");
   surface.beginnings = openings_of(patched.flat_ends(), surface.resolution_mm);
   take_patches_of(patched, surface.mesh);
   ExtrudedMesh made =

@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/stages/input.hpp"
@@ -124,6 +125,7 @@ SurfaceInput read_surface(const std::filesystem::path& path, const std::string& 
   MixedMesh read = read_surface_file(path, options.patch_array, context);
   if (!unit.empty()) read.info.unit = unit;
   SurfaceInput input{as_surface(std::move(read), path), {}, 0};
+  input.given_box_mm = bounding_box(input.mesh.points);
   input.closed = close_open_ends(input.mesh, options, context);
   if (cuts.none()) return input;
   naming(path.string(), [&] { cut_and_extend(input, cuts, options.domain, context); });

@@ -119,6 +119,7 @@ struct SurfaceInput {
   /// `mesh`.
   double resolution_mm = 0;
   std::vector<Opening> beginnings = {};  ///< Openings before they were extended; none where none was.
+  Box3 given_box_mm = {};                ///< Around what was read.
 
   /// The inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
   [[nodiscard]] std::unique_ptr<SurfaceDomain> domain(const SurfaceDomainOptions& options) const;

@@ -35,9 +35,11 @@ void edit_image(const ImageSelection& selection, Context& context, LabelImage& i
 [[nodiscard]] SymTensor in_frame(const SymTensor& metric, const Vec3& factors);
 
 /// Doubt about a surface so small, large or thin that its coordinates are hardly mm; empty otherwise.
-[[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings);
+/// @param given_mm  Around what was read, before cuts and extensions.
+[[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings,
+                                     const Box3& given_mm);
 /// Warns of it, unless the unit is given.
-void warn_of_unit(const MixedMesh& surface, std::span<const Opening> openings, const std::string& unit,
+void warn_of_unit(const SurfaceInput& surface, std::span<const Opening> openings, const std::string& unit,
                   const std::filesystem::path& path, const Context& context);
 
 /// Triangles and patches of a surface. @param resolution_mm  As in SurfaceView; 0: of its edges.
