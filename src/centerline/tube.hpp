@@ -58,7 +58,7 @@ struct Tube {
 
 /// Moves centres and radii so that the tube follows the wall, however much of it is missing at sacs and at
 /// the mouths of branches: at each point rays across the tube find the wall, least squares with weights that
-/// fade for rays that end far from the tube (Geman and McClure 1987), narrower from round to round, and a
+/// fade for rays that end far beyond the tube (Geman and McClure 1987), narrower from round to round, and a
 /// penalty on second differences that carries the tube over gaps. What gets outside is drawn back to where it
 /// started.
 [[nodiscard]] Tube fitted(const Lumen& lumen, const Tube& start);

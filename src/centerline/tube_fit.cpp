@@ -14,13 +14,14 @@ namespace {
 
 constexpr int kRays = 32;
 constexpr int kRounds = 10;
-/// Rays that end this far from the tube count half as much or less: shares of the radius, at first and at
+/// Rays that end this far beyond the tube count half as much or less: shares of the radius, at first and at
 /// last.
 constexpr double kWideAtFirst = 0.6;
 constexpr double kWideAtLast = 0.1;
-/// Waves of the centre line shorter than about six times this share of the radius are smoothed away.
-constexpr double kSmoothCentre = 0.5;
-constexpr double kSmoothRadius = 1.0;
+/// Waves of centre and radius shorter than about six times this share of the radius are smoothed away; of the
+/// radius, those of so many voxels, too.
+constexpr double kSmooth = 0.5;
+constexpr double kSmoothVoxels = 1.25;
 /// Rays end here; the wall of the vessel is nearer.
 constexpr double kRayRadii = 2.5;
 
@@ -100,7 +101,9 @@ class TubeFitter {
       const double wall =
           exact_ ? lumen_.ray_by_area(centre, direction, most) : lumen_.ray(centre, direction, most);
       if (wall >= most || lumen_.is_guessed(centre + wall * direction, radius)) continue;
-      const double deviation = (wall - radius) / width;
+      // A wall within the tube is the vessel's own, as in a stenosis; one beyond it may be that of a sac or
+      // branch.
+      const double deviation = std::max(0.0, wall - radius) / width;
       const double fade = 1 + deviation * deviation;
       Vec4 row;
       row << direction, 1;
@@ -143,8 +146,9 @@ class TubeFitter {
                       std::vector<double>& side) const {
     constexpr std::array<double, 3> kDifference = {1, -2, 1};
     const double radius = tube_.radii[order[n]];
-    const double centre_weight = 0.5 * kRays * std::pow(kSmoothCentre * radius / gap_mm_, 4);
-    const double radius_weight = kRays * std::pow(kSmoothRadius * radius / gap_mm_, 4);
+    const double centre_weight = 0.5 * kRays * std::pow(kSmooth * radius / gap_mm_, 4);
+    const double reach_mm = std::max(kSmooth * radius, kSmoothVoxels * lumen_.voxel_mm());
+    const double radius_weight = kRays * std::pow(reach_mm / gap_mm_, 4);
     Vec3 bend = Vec3::Zero();
     for (std::size_t k = 0; k < 3; ++k) bend += kDifference[k] * tube_.centres[order[n + k - 1]];
     for (std::size_t k = 0; k < 3; ++k) {

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <string>
 
@@ -103,6 +105,21 @@ TEST(Centerline, TheRadiusOfAFlatVesselIsThatOfTheBallThatFits) {
   for (const AxisSample& sample : samples_of(lines, 0.5)) {
     EXPECT_LT((sample.point - Vec3(19.4, 15.6, sample.point.z())).norm(), 0.3);
     EXPECT_NEAR(sample.radius, 7.1, 0.06 * 7.1);
+  }
+}
+
+TEST(Centerline, TheRadiusInAStenosisIsThatOfItsThroat) {
+  for (const double open_share : {0.2, 0.3, 0.5}) {  // Of the area, two radii along the vessel.
+    const auto radius_at = [&](double z) {
+      const double along = (z - 20) / (1.5 * kRadius);
+      return kRadius * std::sqrt(1 - (1 - open_share) * std::exp(-along * along));
+    };
+    const Polylines lines = lines_in(shape_image(
+        {32, 32, 40}, [&](const Vec3& p) { return (p - kAxis).head<2>().norm() < radius_at(p.z()); }));
+    ASSERT_EQ(lines.lines.size(), 1U);
+    const std::vector<double>& radii = lines.scalars.at("radius");
+    EXPECT_NEAR(*std::ranges::min_element(radii) / radius_at(20), 1, 0.06) << open_share;
+    EXPECT_NEAR(radii.front() / radius_at(0), 1, 0.03) << open_share;
   }
 }
 
