@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -104,6 +107,32 @@ std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegion
   return rims;
 }
 
+/// The mean cosine between the normal of a flat end and the normals of the wall around it, at most half a
+/// radius behind it.
+double cosine_of_wall(const ClosedSurface& surface, const FeatureRegions& regions, std::uint32_t region,
+                      const RegionShape& shape, std::vector<std::uint32_t> end) {
+  constexpr double kMaxDepth = 0.5, kMaxReach = 1.6;  // In radii.
+  const double radius_mm = circle_radius(shape.area_mm2);
+  const auto is_around = [&](std::uint32_t t) {
+    const Vec3 off =
+        (surface.corner(t, 0) + surface.corner(t, 1) + surface.corner(t, 2)) / 3 - shape.centre_mm;
+    const double depth = -off.dot(shape.normal);
+    return regions.of_triangle[t] != region && depth > 0 && depth < kMaxDepth * radius_mm &&
+           (off + depth * shape.normal).norm() < kMaxReach * radius_mm;
+  };
+  std::set<std::uint32_t> seen;
+  double sum = 0, area = 0;
+  for (std::size_t i = 0; i < end.size(); ++i)
+    for (const std::uint32_t t : surface.neighbours[end[i]]) {
+      if (!is_around(t) || !seen.insert(t).second) continue;
+      end.push_back(t);
+      const double own = triangle_area(surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2));
+      sum += own * surface.normals[t].dot(shape.normal);
+      area += own;
+    }
+  return area > 0 ? sum / area : 0;
+}
+
 }  // namespace
 
 std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const FeatureRegions& regions) {
@@ -116,6 +145,14 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
     const RegionRim& rim = rims[plane_of[r]];
     shapes[r].is_flat_end = is_flat[r] && rim.is_on_bent && rim.is_one_curve();
   }
+  std::vector<std::vector<std::uint32_t>> ends(shapes.size());
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    if (const std::uint32_t r = regions.of_triangle[t]; shapes[r].is_flat_end) ends[r].push_back(t);
+  parallel::for_each_index(shapes.size(), 1, [&](std::size_t i) {
+    const auto r = static_cast<std::uint32_t>(i);
+    if (shapes[r].is_flat_end)
+      shapes[r].wall_cosine = cosine_of_wall(surface, regions, r, shapes[r], std::move(ends[r]));
+  });
   return shapes;
 }
 

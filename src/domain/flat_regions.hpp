@@ -16,6 +16,9 @@ struct RegionShape {
   Box3 box_mm;
   bool is_flat_end = false;  // In one plane that ends at one closed curve, beside regions that are bent; on
                              // the outside of the object, not around a cavity. Several regions may share it.
+  double wall_cosine =
+      0;  // Of flat ends: mean cosine between the normal and those of the wall around. 0 where
+          // the wall leaves them square, 0.5 and more on the flat steps that voxels leave.
 };
 
 /// Shapes of all regions.

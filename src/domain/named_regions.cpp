@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -60,7 +61,8 @@ NamedRegions::NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& 
 
 /// The patch of each region, and the ends among them.
 void NamedRegions::name_regions() {
-  const std::vector<RegionShape> shapes = region_shapes(surface, regions);
+  std::vector<RegionShape> shapes = region_shapes(surface, regions);
+  if (!has_named_patches) leave_out_steps(shapes);
   // A patch of the file is an end if all of it is.
   std::map<std::int32_t, bool> is_flat_patch;
   std::map<std::int32_t, int> region_counts;
@@ -92,6 +94,29 @@ void NamedRegions::name_regions() {
     of_region.push_back(std::move(patch));
   }
   if (has_named_patches) note_doubts(shapes);
+}
+
+/// Voxels leave flat steps all over a wall that is oblique to them, square or parallel to each other, which
+/// are no ends.
+void NamedRegions::leave_out_steps(std::vector<RegionShape>& shapes) {
+  constexpr double kMinCosine =
+      0.45;  // Of the wall around; ends have up to 0.2, one that flares by 50 degrees 0.6.
+  constexpr double kMaxOff = 0.01;      // Sine between steps and the axes of the first.
+  constexpr std::size_t kMinCount = 4;  // More than the axes.
+  std::vector<RegionShape*> steps;
+  for (std::uint32_t r = 0; r < shapes.size(); ++r) {
+    RegionShape& shape = shapes[r];
+    if (!shape.is_flat_end || shape.wall_cosine < kMinCosine || is_cap_of_file(regions.patches[r])) continue;
+    const double cosine = steps.empty() ? 1 : std::abs(shape.normal.dot(steps.front()->normal));
+    if (cosine < kMaxOff || cosine * cosine > 1 - kMaxOff * kMaxOff) steps.push_back(&shape);
+  }
+  if (steps.size() < kMinCount) return;
+  for (RegionShape* const step : steps) step->is_flat_end = false;
+  notes.push_back(
+      fmt::format("{} flat steps, such as at {}, are taken as wall: the surface has the stairs of the voxels "
+                  "that it was made "
+                  "of, and so will the mesh; mesh the image itself, or smooth the surface before",
+                  steps.size(), place_text(steps.front()->centre_mm)));
 }
 
 /// Ends that are taken for wall because a few bent triangles belong to their patch, walls that are taken for

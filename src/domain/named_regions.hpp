@@ -24,10 +24,12 @@ struct NamedRegions {
   bool has_named_patches = false;  ///< Several, without caps.
   std::vector<Patch> of_region;
   std::vector<FlatEnd> ends;
-  std::vector<std::string> notes;  ///< Lines on patches of the file that are hardly what they were meant for.
+  std::vector<std::string> notes;  ///< Lines on patches of the file that are hardly what they were meant for,
+                                   ///< and on steps that are no ends.
 
  private:
   void name_regions();
+  void leave_out_steps(std::vector<RegionShape>& shapes);
   void note_doubts(std::span<const RegionShape> shapes);
   [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const;
   [[nodiscard]] bool is_cap_of_file(std::int32_t number) const;
