@@ -99,8 +99,8 @@ void NamedRegions::name_regions() {
 /// Voxels leave flat steps all over a wall that is oblique to them, square or parallel to each other, which
 /// are no ends.
 void NamedRegions::leave_out_steps(std::vector<RegionShape>& shapes) {
-  constexpr double kMinCosine =
-      0.45;  // Of the wall around; ends have up to 0.2, one that flares by 50 degrees 0.6.
+  // Of the wall around: ends have up to 0.2, one that flares by 50 degrees 0.6.
+  constexpr double kMinCosine = 0.45;
   constexpr double kMaxOff = 0.01;      // Sine between steps and the axes of the first.
   constexpr std::size_t kMinCount = 4;  // More than the axes.
   std::vector<RegionShape*> steps;
@@ -112,11 +112,11 @@ void NamedRegions::leave_out_steps(std::vector<RegionShape>& shapes) {
   }
   if (steps.size() < kMinCount) return;
   for (RegionShape* const step : steps) step->is_flat_end = false;
-  notes.push_back(
-      fmt::format("{} flat steps, such as at {}, are taken as wall: the surface has the stairs of the voxels "
-                  "that it was made "
-                  "of, and so will the mesh; mesh the image itself, or smooth the surface before",
-                  steps.size(), place_text(steps.front()->centre_mm)));
+  notes.push_back(fmt::format(
+      "{} flat steps, such as at {}, are taken as wall: they look like the stairs of voxels "
+      "that the surface is drawn around, and the mesh will have these, too; mesh the image itself, "
+      "or smooth the surface before",
+      steps.size(), place_text(steps.front()->centre_mm)));
 }
 
 /// Ends that are taken for wall because a few bent triangles belong to their patch, walls that are taken for

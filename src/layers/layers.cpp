@@ -182,6 +182,11 @@ LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const 
   const MixedMesh whole = copy_of(mesh.view(faces));
   std::set<Label> others = labels_of(whole);
   others.erase(selection.into);
+  if (options.into == 0 && !others.empty())
+    context.warn(fmt::format(
+        "layers grow into label {}, the only one at the walls, and not into {}; `into` LABEL with a "
+        "`patch` between labels has them grow elsewhere, as into the lumen within a wall",
+        label_list({selection.into}, mesh.info()), label_list(others, mesh.info())));
   const auto [part, rest] = context.phase("part", [&] {
     return std::pair{part_of(whole, {selection.into}), part_of(whole, others)};
   });

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "layer_fixtures.hpp"
 #include "lumesh/core/error.hpp"
@@ -57,6 +59,22 @@ std::string patch_between(const MeshInfo& info, Label a, Label b) {
         std::minmax(patch.labels[0], patch.labels[1]) == std::minmax(a, b))
       return patch.name;
   return "none";
+}
+
+TEST(Layers, InwardsOfAWallAroundALumenSayThatTheyAreInTheWall) {
+  std::vector<std::string> told;
+  Context context({}, [&](std::string_view message) { told.emplace_back(message); });
+  const TetMesh vessel = tube_in_tube();
+  LayerOptions options{.side = LayerSide::kInward, .first_height = 0.1, .count = 1};
+  static_cast<void>(grow_layers(vessel, options, context));
+  EXPECT_EQ(std::ranges::count_if(
+                told, [](const std::string& line) { return line.starts_with("layers grow into label 2"); }),
+            1);
+  told.clear();
+  options.into = 1;
+  options.patches = {patch_between(vessel.info(), 1, 2)};
+  static_cast<void>(grow_layers(vessel, options, context));
+  EXPECT_TRUE(told.empty()) << told.front();
 }
 
 TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
