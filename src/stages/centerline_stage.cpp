@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,8 +15,11 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/edge_loops.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/surface/rims.hpp"
 
@@ -71,6 +75,19 @@ void require_lumen(const MixedMesh& mesh) {
                   place_text(sections.front().place_mm)));
 }
 
+/// Warnings of a surface whose axes may be wrong.
+void warn_of_surface(const MixedMesh& surface, const CenterlineRequest& request, const Context& context) {
+  const std::string unit =
+      request.selection.unit.empty() ? unit_doubt(surface, {}, bounding_box(surface.points)) : "";
+  if (!unit.empty()) context.warn(request.path + ": " + unit);
+  const std::vector<SelfCrossing> crossings = find_self_crossings(surface.points, surface.triangles);
+  if (!crossings.empty())
+    context.warn(fmt::format(
+        "{}: the surface crosses or touches itself in {} of triangles, such as at {}; what it "
+        "encloses is not clear there, and axes may be wrong: lumesh repair",
+        request.path, counted(crossings.size(), "pair", "pairs"), place_text(crossings.front().place)));
+}
+
 CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& context) {
   CenterlineMade made;
   MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(request.path, request.selection.unit); });
@@ -84,6 +101,7 @@ CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& con
     if (is_surface && request.surface.keeps_open) require_closed(mesh);
     require_lumen(mesh);
   });
+  if (is_surface) context.phase("crossings", [&] { warn_of_surface(mesh, request, context); });
   made.provenance = mesh.info.provenance;
   made.lines =
       naming(request.path, [&] { return extract_centerline(mesh.view(), request.options, context); });

@@ -200,6 +200,18 @@ class SurfacesTest(ProgramTest):
         length = float(out.split("length ")[1].split()[0])
         self.assertAlmostEqual(length, 12, delta=0.5)
 
+    def test_the_centerline_of_a_surface_in_doubt_is_told(self):
+        lines = self.folder / "lines.vtp"
+        points, triangles = tube()
+        beside = [(x + 1.3, y, z) for x, y, z in points]
+        source = self.folder / "crossing.stl"
+        source.write_text(stl_text(points, triangles) + stl_text(beside, triangles))
+        self.assertIn("crosses or touches itself in ", self.run_well("centerline", source, "-o", lines).stderr)
+        metres = self.stl("metres.stl", [tuple(0.001 * c for c in p) for p in points], triangles)
+        told = self.run_well("centerline", metres, "-o", lines).stderr
+        self.assertIn("is it in metres?", told)
+        self.assertNotIn("crosses", told)
+
     def test_the_centerline_of_a_hollow_wall_is_refused(self):
         skins, lines = self.folder / "skins.stl", self.folder / "lines.vtp"
         skins.write_text("".join(stl_text(*tube(radius=r)) for r in (3.0, 2.0)))
