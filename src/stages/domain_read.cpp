@@ -7,6 +7,7 @@
 
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/local_volumes.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/quality/surface.hpp"
 #include "lumesh/stages/folded_walls.hpp"
@@ -133,7 +134,10 @@ void DomainRead::look_at_surface() {
 
 std::vector<std::string> DomainRead::doubts_about_openings() {
   if (!image) return {};
-  return doubts_about_sections(*image, domain().cut_planes(), openings());
+  std::vector<std::string> doubts = doubts_about_sections(*image, domain().cut_planes(), openings());
+  if (const std::string volumes = doubt_about_volumes(*image, *domain_of_image()); !volumes.empty())
+    doubts.push_back(volumes);
+  return doubts;
 }
 
 std::string DomainRead::closed_vessels() {
