@@ -41,6 +41,7 @@ void run(AdaptCommand command) {
     write_mesh(output_path, mesh);
     if (!metric_path.empty()) write_metric(metric_path, mesh.metric);
   });
+  warn_of_sealed_pieces(mesh, context);
   write_json(
       command.json_path,
       report::adapt_json(made, session.notes({{output_path, kMeshWords}, {metric_path, "its metric"}})));

@@ -39,6 +39,7 @@ void run(const LayersCommand& command) {
   mesh.info.provenance = provenance_of(command.run.making(), from, input.info.provenance);
   own.bring_back(mesh);
   write_results(context, [&] { write_mesh(to, mesh.view()); });
+  warn_of_sealed_pieces(mesh.view(), context);
   say(command.run, "{}", report::layered_mesh_text(to, before, made));
   if (layers)
     write_json(

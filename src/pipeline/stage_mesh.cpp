@@ -8,6 +8,11 @@
 namespace lumesh::pipeline {
 namespace {
 
+void tell_sealed_pieces(const MeshView& mesh, const CaseState& state, report::StageReport& stage) {
+  if (std::string line = state.given.sealed_pieces(mesh); !line.empty())
+    stage.warnings.push_back(std::move(line));
+}
+
 void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
   stage.what =
       "A first mesh of good shapes on a lattice that is fitted to the image: what the metric is given on.";
@@ -16,6 +21,7 @@ void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
   for (const std::string& note : result.report.notes) stage.warnings.push_back(note);
   for (std::string& line : state.given.differences_from_lattice(result.mesh.view()))
     stage.warnings.push_back(std::move(line));
+  tell_sealed_pieces(result.mesh.view(), state, stage);
   if (state.c.makes_mixed_mesh())
     state.mixed = std::move(result.mesh);
   else
@@ -43,8 +49,10 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
     stage.figures.push_back({"Largest dihedral angle", after.max_deg, "°",
                              fmt::format("before improvement: {:.2f}", before.max_deg)});
   }
-  for (std::string& line : state.given.differences_from(state.mesh, state.mesh.boundary_faces()))
+  const BoundaryFaces faces = state.mesh.boundary_faces();
+  for (std::string& line : state.given.differences_from(state.mesh, faces))
     stage.warnings.push_back(std::move(line));
+  tell_sealed_pieces(state.mesh.view(faces), state, stage);
 }
 
 }  // namespace

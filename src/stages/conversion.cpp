@@ -51,7 +51,10 @@ MixedMesh convert_mesh(const ConversionRequest& request, Context& context) {
     });
   write_mesh(request.output, mesh.view(), context);
   warn_of_names(request.output.mesh, mesh.view(), context);
-  if (mesh.view().cell_count() > 0) warn_of_faults(request.from, mesh.view(), context);
+  if (mesh.view().cell_count() > 0) {
+    warn_of_faults(request.from, mesh.view(), context);
+    warn_of_sealed_pieces(mesh.view(), context);
+  }
   return mesh;
 }
 

@@ -13,6 +13,7 @@
 #include "lumesh/stages/folded_walls.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/input_parts.hpp"
+#include "lumesh/stages/mesh_output.hpp"
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
@@ -81,7 +82,8 @@ void DomainRead::cut_image() {
       name, [&] { return context_.phase("cuts", [&] { return cut_off(*image, input_.cuts, context_); }); });
   const std::string pieces =
       context_.phase("pieces", [&] { return small_pieces_warning(*image, cut_planes); });
-  if (!pieces.empty()) context_.warn(pieces);
+  has_small_pieces_ = !pieces.empty();
+  if (has_small_pieces_) context_.warn(pieces);
 }
 
 const Domain& DomainRead::domain() {
@@ -175,6 +177,10 @@ std::vector<std::string> DomainRead::differences_from(const TetMesh& mesh, const
 
 std::vector<std::string> DomainRead::differences_from_lattice(const MeshView& mesh) {
   return context_.phase("check", [&] { return with_folds(differences_of_lattice(shape(), mesh), mesh); });
+}
+
+std::string DomainRead::sealed_pieces(const MeshView& mesh) const {
+  return sealed_pieces_warning(mesh, has_small_pieces_ ? kSmallPiece : 0);
 }
 
 std::vector<std::string> DomainRead::with_folds(std::vector<std::string> differences, const MeshView& mesh) {

@@ -18,6 +18,12 @@ void warn_of_mesher(const std::vector<std::string>& notes, const FirstMeshInput&
   if (!input.closed_vessels.empty()) context.warn(input.closed_vessels);
 }
 
+void warn_of_differences(const std::vector<std::string>& differences, const MeshView& mesh,
+                         const DomainRead& given, const Context& context) {
+  for (const std::string& line : differences) context.warn(line);
+  if (const std::string line = given.sealed_pieces(mesh); !line.empty()) context.warn(line);
+}
+
 }  // namespace
 
 MeshView DelaunayFileMesh::view() const {
@@ -69,7 +75,7 @@ FirstMeshComparison compare_with_input(LatticeMesh& mesh, Context& context) {
   const MeshView view = mesh.made.mesh.view();
   warn_of_mesher(mesh.made.report.notes, mesh.input, context);
   FirstMeshComparison compared{given.differences_from_lattice(view), {}};
-  for (const std::string& line : compared.differences) context.warn(line);
+  warn_of_differences(compared.differences, view, given, context);
   compared.openings = checked_openings(view, *given.domain_of_image(), given.openings(), context);
   return compared;
 }
@@ -79,7 +85,7 @@ FirstMeshComparison compare_with_input(DelaunayFileMesh& mesh, Context& context)
   const MeshView view = mesh.made.mesh.view(mesh.faces);
   warn_of_mesher(mesh.made.report.notes, mesh.input, context);
   FirstMeshComparison compared{given.differences_from(mesh.made.mesh, mesh.faces), {}};
-  for (const std::string& line : compared.differences) context.warn(line);
+  warn_of_differences(compared.differences, view, given, context);
   compared.openings = checked_openings(view, given.domain(), given.openings(), context);
   if (mesh.sizing)
     for (const std::string& warning : mesh.sizing->warnings()) context.warn(warning);

@@ -169,12 +169,11 @@ ImageShape shape_of(const LabelImage& image, std::span<const CutPlane> planes) {
 }
 
 std::string small_pieces_warning(const LabelImage& image, std::span<const CutPlane> planes) {
-  constexpr double kSmall = 0.01;
   std::vector<VoxelComponent> pieces =
       voxel_components(planes.empty() ? image : cut_off(image, planes), ComponentScope::kUnion);
   if (pieces.size() < 2) return "";
   const std::size_t others = pieces.size() - 1;
-  const double most = kSmall * static_cast<double>(pieces.front().voxel_count);
+  const double most = kSmallPiece * static_cast<double>(pieces.front().voxel_count);
   std::erase_if(pieces,
                 [&](const VoxelComponent& piece) { return static_cast<double>(piece.voxel_count) >= most; });
   if (pieces.empty()) return "";

@@ -39,6 +39,10 @@ void warn_of_names(const std::string& path, const MeshView& mesh, const Context&
   if (!changed.empty()) context.warn(path + ": " + changed_names_text(changed));
 }
 
+void warn_of_sealed_pieces(const MeshView& mesh, const Context& context, double least_share) {
+  if (const std::string line = sealed_pieces_warning(mesh, least_share); !line.empty()) context.warn(line);
+}
+
 void require_sound(const std::string& path, const MeshView& mesh, Context& context,
                    const std::string& besides, const MeshView* made_from) {
   warn_of_names(path, mesh, context);

@@ -63,6 +63,8 @@ class DomainRead {
   [[nodiscard]] std::vector<std::string> differences_from(const TetMesh& mesh, const BoundaryFaces& faces);
   /// Lines as those of differences_of_lattice() and note_of_folds().
   [[nodiscard]] std::vector<std::string> differences_from_lattice(const MeshView& mesh);
+  /// A line as that of sealed_pieces_warning(), but on small pieces only where none were told of before.
+  [[nodiscard]] std::string sealed_pieces(const MeshView& mesh) const;
   /// All that is to be known before meshing, with its warnings.
   struct Survey {
     Polylines axes;              ///< Axes of the vessels, where they are wanted.
@@ -94,6 +96,7 @@ class DomainRead {
   std::optional<std::vector<Opening>> openings_;
   std::vector<Opening> image_beginnings_;  ///< Openings of an image before they were extended.
   std::optional<ImageShape> shape_;
+  bool has_small_pieces_ = false;
 };
 
 /// Reads it, and cuts an image off.

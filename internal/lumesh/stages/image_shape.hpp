@@ -24,7 +24,10 @@ struct ImageShape {
 /// @param planes  What lies beyond them is left out.
 [[nodiscard]] ImageShape shape_of(const LabelImage& image, std::span<const CutPlane> planes = {});
 
-/// A line if there are pieces, of all labels together, of less than a hundredth of the largest one's voxels;
+/// Pieces of less than this share of the largest one are small.
+inline constexpr double kSmallPiece = 0.01;
+
+/// A line if there are small pieces, of all labels together;
 /// else empty. @param planes  What lies beyond them is left out. Cost: as voxel_components().
 [[nodiscard]] std::string small_pieces_warning(const LabelImage& image, std::span<const CutPlane> planes);
 

@@ -25,6 +25,13 @@ void describe_surface_output(OptionList& list, std::string& path);
 /// Warns of names of patches that the format of the file writes otherwise, as OpenFOAM and SimVascular need.
 void warn_of_names(const std::string& path, const MeshView& mesh, const Context& context);
 
+/// A line if pieces of the mesh, of all labels together, have no opening while others have one; else empty.
+/// @param least_share  Of the largest piece's volume: smaller pieces are not told. Cost: linear, on one
+/// thread.
+[[nodiscard]] std::string sealed_pieces_warning(const MeshView& mesh, double least_share = 0);
+/// Warns of that.
+void warn_of_sealed_pieces(const MeshView& mesh, const Context& context, double least_share = 0);
+
 /// Looks at a mesh that was written, quickly.
 /// @param besides  What else has to be said then. @param made_from  The mesh that it was made from, if any,
 /// which may have had faults before.
