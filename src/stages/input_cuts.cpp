@@ -170,6 +170,7 @@ std::shared_ptr<const ImageDomain> extended_domain(LabelImage& image, std::vecto
                                           "`clip_ends`, which makes openings");
   for (const std::string& doubt : doubts_about_sections(image, domain.cut_planes(), openings))
     context.warn(doubt);
+  for (const std::string& doubt : doubts_about_waists(domain, openings)) context.warn(doubt);
   ExtendedImage extended =
       context.phase("extensions", [&] { return extend_openings(image, domain, openings, options); });
   for (const std::string& note : extended.notes) context.warn(note);

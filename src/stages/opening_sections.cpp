@@ -16,6 +16,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/core/squares.hpp"
+#include "section_waists.hpp"
 
 namespace lumesh {
 namespace {
@@ -288,6 +289,19 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   }
   if (!tiny.empty()) doubts.push_back(doubt_of_tiny(tiny));
   for (std::string& doubt : doubts_about_edges(image, openings)) doubts.push_back(std::move(doubt));
+  return doubts;
+}
+
+std::vector<std::string> doubts_about_waists(const Domain& domain, std::span<const Opening> openings) {
+  std::vector<std::string> doubts;
+  for (const Opening& opening : openings)
+    if (const std::optional<SectionWaist> waist = find_waist(domain, opening))
+      doubts.push_back(fmt::format(
+          "{} at {} narrows to {:.3g} mm between parts {:.3g} and {:.3g} mm wide: two vessels that touch "
+          "there "
+          "would have one boundary condition; cut them with {} where they run apart, or try {} separate",
+          opening.name, place_text(opening.centre_mm), waist->width_mm, waist->diameters_mm[0],
+          waist->diameters_mm[1], option_name("cut_at"), option_name("touching")));
   return doubts;
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -151,6 +152,74 @@ TEST(OpeningSections, AnOpeningThatJoinsTwoIsTold) {
   for (const std::string& doubt : doubts_about_sections(image, {}, openings))
     is_told = is_told || doubt.find("joins 2 sections") != std::string::npos;
   EXPECT_TRUE(is_told);
+}
+
+/// Tubes of these radii along z that run apart below z = 12 and are `apart` from axis to axis above.
+LabelImage tubes_side_by_side(double first, double second, double apart) {
+  return fixtures::voxels_of(fixtures::frame_of({50, 40, 40}), {0, 1}, [=](const Vec3& p) {
+    const Vec3 axis(18.3, 18.2, p.z());
+    const double distance = apart + 0.35 * std::max(0.0, 12 - p.z());
+    const bool is_first = (p - axis).norm() < first;
+    return is_first || (p - axis - distance * Vec3(0.921, 0.389, 0)).norm() < second ? 1 : 0;
+  });
+}
+
+std::vector<std::string> doubts_about_waists_of(const LabelImage& image) {
+  const ImageDomain domain(image, {});
+  return doubts_about_waists(domain, find_openings(domain));
+}
+
+TEST(OpeningSections, OneThatTwoVesselsShareIsToldWithItsWidths) {
+  for (const double second : {6.0, 4.2}) {
+    const std::vector<std::string> doubts =
+        doubts_about_waists_of(tubes_side_by_side(6, second, 5.8 + second));
+    ASSERT_EQ(doubts.size(), 1U) << second;
+    EXPECT_EQ(doubts[0].find("inlet_1 at (2"), 0U) << doubts[0];
+    EXPECT_NE(doubts[0].find(" mm narrows to "), std::string::npos) << doubts[0];
+    EXPECT_NE(doubts[0].find("`touching` separate"), std::string::npos) << doubts[0];
+  }
+  EXPECT_TRUE(doubts_about_waists_of(tubes_side_by_side(6, 6, 15)).empty()) << "two openings";
+  EXPECT_TRUE(doubts_about_waists_of(tubes_side_by_side(6, 6, 3)).empty()) << "one vessel";
+}
+
+double distance_from_segment(const Vec3& p, const Vec3& from, const Vec3& to) {
+  const double share = std::clamp((p - from).dot(to - from) / (to - from).squaredNorm(), 0.0, 1.0);
+  return (p - from - share * (to - from)).norm();
+}
+
+/// The border cuts it off where the branches are about to part, or have.
+TEST(OpeningSections, TheMouthOfAForkIsOneVessel) {
+  for (const double across : {0.364, 0.577, 1.0})
+    for (int height = 25; height < 36; ++height) {
+      const LabelImage image =
+          fixtures::voxels_of(fixtures::frame_of({110, 44, height}), {0, 1}, [=](const Vec3& p) {
+            const Vec3 fork(55.2, 22.1, 20);
+            const auto is_along = [&](const Vec3& way, double radius) {
+              return distance_from_segment(p, fork, fork + way) < radius;
+            };
+            return is_along(Vec3(0, 0, -40), 6.3) || is_along(Vec3(100 * across, 0, 100), 5) ||
+                           is_along(Vec3(-100 * across, 0, 100), 4.5)
+                       ? 1
+                       : 0;
+          });
+      EXPECT_EQ(doubts_about_waists_of(image), std::vector<std::string>()) << across << " " << height;
+    }
+}
+
+/// Flat and oblique sections, bent ones and ones with a dent.
+TEST(OpeningSections, NoWaistIsToldOfOneVessel) {
+  for (const double radius : {1.5, 3.0, 8.0})
+    for (const double flat : {1.0, 2.0, 3.0})
+      for (const double dent : {0.0, 0.5}) {
+        const LabelImage image =
+            fixtures::voxels_of(fixtures::frame_of({100, 60, 24}), {0, 1}, [=](const Vec3& p) {
+              const Vec3 off(p.x() - 50.3 - flat * (p.z() - 12), p.y() - 30.2, 0);
+              const bool is_in = std::hypot(off.x() / flat, off.y()) < radius;
+              return is_in && std::hypot(off.x(), off.y() - radius * (2 - dent)) > radius ? 1 : 0;
+            });
+        EXPECT_EQ(doubts_about_waists_of(image), std::vector<std::string>())
+            << radius << " " << flat << " " << dent;
+      }
 }
 
 }  // namespace
