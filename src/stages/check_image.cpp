@@ -59,7 +59,7 @@ void find_thin(const LabelImage& image, const std::vector<ThinPlace>& thin, Chec
   Finding touching =
       remark("touching", "places where vessels side by side touch", "`touching` separate or join");
   Finding near = remark("near", "places where vessels side by side are at most a voxel apart",
-                        "`touching` join fills the cleft; separate makes it a voxel wide");
+                        "`touching` join fills the cleft; separate parts only what touches");
   Finding bridges = remark("bridges", "bridges or narrowings one or two voxels thick",
                            "where it is no vessel, take it out of the segmentation");
   for (const ThinPlace& place : thin)

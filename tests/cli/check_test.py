@@ -134,6 +134,18 @@ class CheckTest(ProgramTest):
         self.assertIn("voxel (0, 0, 0)", html)
         self.assertEqual(html.count("<img "), 2)
 
+    def test_vessels_a_voxel_apart_are_not_said_to_be_separated(self):
+        image = self.folder / "in.nrrd"
+        middles = (9.5, 18.5)  # A voxel lies between the two tubes.
+        voxels = [int(any(math.hypot(x - middle, y - 9.5) < 4 + 0.1 for middle in middles))
+                  for z in range(24) for y in range(20) for x in range(28)]
+        nrrd.write(image, [28, 20, 24], bytearray(voxels))
+        text = self.run_well("check", image).stdout
+        self.assertIn("at most a voxel apart", text)
+        self.assertIn("separate parts only what touches", text)
+        result = self.run_well("info", image, "--touching", "separate")
+        self.assertIn("no vessels that touch were found", result.stderr)
+
     def test_a_report_of_a_mesh_shows_its_outside(self):
         page, mesh = self.folder / "page.html", self.folder / "mesh.vtu"
         self.write(tube(10))
