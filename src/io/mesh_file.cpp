@@ -1,11 +1,16 @@
 #include "lumesh/io/mesh_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "file_fault.hpp"
 #include "format_table.hpp"
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "mesh_formats.hpp"
@@ -30,14 +35,31 @@ namespace {
 
 using Path = std::filesystem::path;
 
+/// "2 prisms, 1 pyramid": cells that are no tetrahedra.
+std::string other_shapes_of(const MeshView& mesh) {
+  std::vector<std::string> shapes;
+  const auto add = [&](std::size_t count, std::string_view one, std::string_view many) {
+    if (count > 0) shapes.push_back(counted(count, one, many));
+  };
+  add(mesh.prisms.size(), "prism", "prisms");
+  add(mesh.hexahedra.size(), "hexahedron", "hexahedra");
+  add(mesh.pyramids.size(), "pyramid", "pyramids");
+  return fmt::format("{}", fmt::join(shapes, ", "));
+}
+
+/// Prisms are layers; hexahedra come with pyramids, or are layers on quadrilaterals.
+std::string remedy_of_shapes(const MeshView& mesh) {
+  return mesh.hexahedra.empty() ? fmt::format("make the layers with {} tetrahedra", option_name("cells"))
+                                : "mesh without hexahedra";
+}
+
 /// @throws Error{kBadInput} unless the mesh has tetrahedra, has no other cells nor faces than triangles, and
 /// its numbers of points, cells and faces fit into 32 bits with sign, counted from 1.
 void require_tetrahedra(const Path& path, const MeshView& mesh) {
   const std::size_t others = mesh.cell_count() - mesh.tetrahedra.size();
   if (others > 0)
-    io::fail(path, fmt::format("holds tetrahedra only, and {} of the {} cells are of other shapes; mesh "
-                               "without hexahedra and pyramids",
-                               others, mesh.cell_count()));
+    io::fail(path, fmt::format("holds tetrahedra only, and {} of the {} cells are of other shapes ({}); {}",
+                               others, mesh.cell_count(), other_shapes_of(mesh), remedy_of_shapes(mesh)));
   if (mesh.tetrahedra.empty())
     io::fail(path, "holds tetrahedra, and the mesh has none; convert a volume mesh");
   if (!mesh.quadrilaterals.empty())

@@ -83,7 +83,18 @@ TEST(Xdmf, TheSameMeshGivesTheSameBytes) {
 TEST(Xdmf, OtherShapesOfCellsAreRefusedAndNothingIsLeftBehind) {
   const TemporaryFolder folder;
   const std::string error = error_of([&] { write_mesh(folder / "a.xdmf", every_cell_shape().view()); });
-  EXPECT_NE(error.find("3 of the 4 cells are of other shapes; mesh without hexahedra"), std::string::npos);
+  EXPECT_NE(
+      error.find("3 of the 4 cells are of other shapes (1 prism, 1 hexahedron, 1 pyramid); mesh without "
+                 "hexahedra"),
+      std::string::npos)
+      << error;
+  MixedMesh layers = every_cell_shape();
+  layers.hexahedra.clear();
+  layers.hexahedron_labels.clear();
+  const std::string of_layers = error_of([&] { write_mesh(folder / "a.xdmf", layers.view()); });
+  EXPECT_NE(of_layers.find("(1 prism, 1 pyramid); make the layers with `cells` tetrahedra"),
+            std::string::npos)
+      << of_layers;
   MixedMesh surface = two_tetrahedra();
   surface.tetrahedra.clear();
   surface.tetrahedron_labels.clear();
