@@ -218,7 +218,7 @@ std::string narrowest_section(const Evaluation& e) {
       "Narrowest section of each branch",
       table_html(table) +
           "<p class=\"note\">Where the mesh is narrowest on planes square to the vessel's axis, and the "
-          "area of the voxels there. Those that lose more than 3 % are marked.</p>");
+          "area of the voxels there, all labels together. Those that lose more than 3 % are marked.</p>");
 }
 
 std::string reference_section(const Evaluation& e) {

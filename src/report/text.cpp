@@ -200,7 +200,7 @@ std::string openings_text(const OpeningsCompared& compared) {
 }
 
 /// The branches that lose most.
-std::string sections_text(std::vector<NarrowestSection> sections) {
+std::string sections_text(std::vector<NarrowestSection> sections, bool has_labels) {
   constexpr std::size_t kMaxBranches = 12;
   if (sections.empty()) return "";
   std::ranges::stable_sort(
@@ -218,6 +218,7 @@ std::string sections_text(std::vector<NarrowestSection> sections) {
   }
   if (sections.size() > kMaxBranches)
     text += fmt::format("  … {} more branches that lose less\n", sections.size() - kMaxBranches);
+  if (has_labels) text += "  (all labels count together: a lumen with its wall)\n";
   return text;
 }
 
@@ -254,7 +255,7 @@ std::string image_text(const Evaluation& e) {
     text += distances_text(fmt::format("label {} (the worst)", worst->label), *worst->distances, voxel);
   text += kept_text(e);
   if (e.openings) text += openings_text(*e.openings);
-  if (e.sections) text += sections_text(*e.sections);
+  if (e.sections) text += sections_text(*e.sections, e.labels.size() > 1);
   return text;
 }
 

@@ -164,6 +164,9 @@ TEST(EvaluationJson, TellsOfNarrowestSectionsAndMarksWhatIsTightened) {
   const std::string text = summary_text(evaluation);
   EXPECT_LT(text.find("branch 1 "), text.find("branch 0 "));  // What loses most comes first.
   EXPECT_NE(text.find("-25.0 %  (4.0, 5.0, 6.0)  TIGHTENED"), std::string::npos) << text;
+  EXPECT_NE(text.find("all labels count together"), std::string::npos) << text;
+  evaluation.labels.pop_back();
+  EXPECT_EQ(summary_text(evaluation).find("all labels count together"), std::string::npos) << "it has one";
   const std::string html = report_html("case", evaluation, {});
   EXPECT_NE(html.find("<td class=\"worse\">-25.0 %</td>"), std::string::npos);
   EXPECT_NE(html.find("<td>-1.0 %</td>"), std::string::npos);
