@@ -53,7 +53,7 @@ class DomainRead {
 
   /// Warns of a surface whose unit is in doubt, and names what was closed of it.
   void look_at_surface();
-  /// Lines on openings that the voxels of an image do not show.
+  /// Lines on openings of an image that its voxels do not show, or that two vessels seem to share.
   [[nodiscard]] std::vector<std::string> doubts_about_openings();
   /// A line if no vessel has an opening, else empty.
   [[nodiscard]] std::string closed_vessels();
