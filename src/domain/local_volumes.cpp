@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kStep = 4;  // Voxels along the edge of a block; a cube has two blocks along each axis.
 
-/// What a block of voxels holds, in voxels; by addition, that of a cube.
+/// Contents of a block of voxels, in voxels; by addition, those of a cube.
 struct Block {
   double object = 0, more = 0, faces = 0;
   Vec3 places = Vec3::Zero();  // Sum over the object's voxels, as indices.

@@ -12,7 +12,7 @@ namespace lumesh {
 /// A cube of voxels around a place, and what of it is the object.
 struct LocalVolume {
   Vec3 place_mm = Vec3::Zero();  ///< Centre of the voxels that are the object.
-  double voxels_mm3 = 0;         ///< Of all labels, by voxels.
+  double voxels_mm3 = 0;         ///< Sum over all labels, by voxels.
   double smooth_mm3 = 0;         ///< Within the outer boundary of the domain.
 
   [[nodiscard]] double change() const { return smooth_mm3 / voxels_mm3 - 1; }
