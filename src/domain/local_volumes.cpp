@@ -60,7 +60,7 @@ class VolumeComparison {
     const Index3 low = kStep * block, end = (low + Index3::Constant(kStep)).cwiseMin(frame_.size);
     Block result;
     const bool is_near = domain_.field().near_boundary(field_index(low), field_index(end - Index3::Ones()));
-    if (!is_near && !is_inside(low)) return result;
+    if (!is_near && image_.at(low) == 0) return result;
     for (int k = low.z(); k < end.z(); ++k)
       for (int j = low.y(); j < end.y(); ++j)
         for (int i = low.x(); i < end.x(); ++i) add_voxel({i, j, k}, is_near, result);
@@ -68,7 +68,8 @@ class VolumeComparison {
   }
 
   void add_voxel(const Index3& v, bool is_near, Block& block) const {
-    const bool inside = is_inside(v);
+    if (is_cut_off(v)) return;
+    const bool inside = image_.at(v) != 0;
     if (inside) {
       block.object += 1;
       block.places += v.cast<double>();
@@ -78,7 +79,7 @@ class VolumeComparison {
     for (int axis = 0; axis < 3; ++axis)
       for (const int side : {-1, 1}) {
         const Index3 next = v + side * Index3::Unit(axis);
-        faces += static_cast<int>(frame_.contains(next) && is_inside(next) != inside);
+        faces += static_cast<int>(frame_.contains(next) && (image_.at(next) != 0) != inside);
       }
     if (faces == 0) return;
     block.faces += 0.5 * faces;
@@ -94,9 +95,8 @@ class VolumeComparison {
     return std::clamp(0.5 + at.value / slope / width, 0.0, 1.0);
   }
 
-  [[nodiscard]] bool is_inside(const Index3& v) const {
-    return image_.at(v) != 0 &&
-           (domain_.cut_planes().empty() || !domain_.beyond_cut(frame_.to_physical(v.cast<double>())));
+  [[nodiscard]] bool is_cut_off(const Index3& v) const {
+    return !domain_.cut_planes().empty() && domain_.beyond_cut(frame_.to_physical(v.cast<double>()));
   }
   [[nodiscard]] Vec3 field_index(const Index3& v) const {
     return domain_.field().frame().to_index(frame_.to_physical(v.cast<double>()));
