@@ -1,6 +1,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <set>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "lumesh/core/counted.hpp"
@@ -17,7 +21,7 @@ struct MeshPiece {
   std::size_t cells = 0;
   std::size_t first_cell = 0;
   double volume = 0;
-  bool has_opening = false;
+  std::set<std::int32_t> openings = {};  // Patches.
 };
 
 /// One for each vertex; those without cells are of no piece. Pieces that only a vertex or an edge joins are
@@ -39,7 +43,7 @@ std::vector<MeshPiece> pieces_of(const MeshView& mesh) {
   for_each_patch_face(mesh, [&](const auto& corners, std::int32_t patch) {
     const auto p = static_cast<std::size_t>(patch);
     if (patch >= 0 && p < mesh.info->patches.size() && mesh.info->patches[p].kind == PatchKind::kOpening)
-      pieces[sets.find(corners[0])].has_opening = true;
+      pieces[sets.find(corners[0])].openings.insert(patch);
   });
   std::erase_if(pieces, [](const MeshPiece& piece) { return piece.cells == 0; });
   return pieces;
@@ -53,18 +57,37 @@ Vec3 middle_of(const MeshView& mesh, std::size_t cell) {
   });
 }
 
+/// A line if one of several pieces has a single opening; else empty.
+std::string one_opening_warning(const MeshView& mesh, std::span<const MeshPiece> pieces) {
+  const auto has_one = [](const MeshPiece& piece) { return piece.openings.size() == 1; };
+  const auto first = std::ranges::find_if(pieces, has_one);
+  if (first == pieces.end()) return "";
+  const auto count = static_cast<std::uint64_t>(std::ranges::count_if(pieces, has_one));
+  const auto patch = static_cast<std::size_t>(*first->openings.begin());
+  return fmt::format(
+      "{} one opening alone, as that of {}, and nothing flows through: is the vessel interrupted, as by a "
+      "missing "
+      "slice (lumesh check lists pieces and gaps), or to be cut open with {}?",
+      counted(count, "piece of the mesh has", "pieces of the mesh have"), mesh.info->patches[patch].name,
+      option_name("cut_at"));
+}
+
 }  // namespace
 
 std::string sealed_pieces_warning(const MeshView& mesh, double least_share) {
   if (mesh.info == nullptr) return "";
   std::vector<MeshPiece> pieces = pieces_of(mesh);
-  const bool has_any = std::ranges::any_of(pieces, &MeshPiece::has_opening);
+  const bool has_any =
+      std::ranges::any_of(pieces, [](const MeshPiece& piece) { return !piece.openings.empty(); });
   if (pieces.size() < 2 || !has_any) return "";
   double volume = 0, most = 0;
   for (const MeshPiece& piece : pieces) volume += piece.volume, most = std::max(most, piece.volume);
-  std::erase_if(
-      pieces, [&](const MeshPiece& piece) { return piece.has_opening || piece.volume < least_share * most; });
-  if (pieces.empty()) return "";
+  std::erase_if(pieces, [&](const MeshPiece& piece) {
+    return piece.openings.size() > 1 || piece.volume < least_share * most;
+  });
+  const std::string of_one_opening = one_opening_warning(mesh, pieces);
+  std::erase_if(pieces, [](const MeshPiece& piece) { return !piece.openings.empty(); });
+  if (pieces.empty()) return of_one_opening;
   const MeshPiece& largest = *std::ranges::max_element(pieces, {}, &MeshPiece::volume);
   const std::string size =
       fmt::format("{}, {:.2g} % of the volume, at {}", counted(largest.cells, "cell"),

@@ -25,7 +25,8 @@ void describe_surface_output(OptionList& list, std::string& path);
 /// Warns of names of patches that the format of the file writes otherwise, as OpenFOAM and SimVascular need.
 void warn_of_names(const std::string& path, const MeshView& mesh, const Context& context);
 
-/// A line if pieces of the mesh, of all labels together, have no opening while others have one; else empty.
+/// A line if pieces of the mesh, of all labels together, have no opening while others have one, or if one of
+/// several pieces has a single one; else empty.
 /// @param least_share  Of the largest piece's volume: smaller pieces are not told. Cost: linear, on one
 /// thread.
 [[nodiscard]] std::string sealed_pieces_warning(const MeshView& mesh, double least_share = 0);

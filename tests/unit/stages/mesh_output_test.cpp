@@ -47,9 +47,14 @@ TEST(SealedPieces, AreToldWhereOthersHaveOpenings) {
   EXPECT_EQ(
       sealed_pieces_warning(mesh.view()).find("1 piece of the mesh has no opening, and no face joins it"),
       0U);
-  EXPECT_EQ(sealed_pieces_warning(mesh.view(), 0.1), "") << "the voxels have told of the small one";
+  EXPECT_EQ(sealed_pieces_warning(mesh.view(), 0.1).find("2 pieces of the mesh have one opening alone"), 0U)
+      << "the voxels have told of the small one";
   add_face(125 + 27, PatchKind::kOpening, mesh);
-  EXPECT_EQ(sealed_pieces_warning(mesh.view()), "");
+  EXPECT_EQ(
+      sealed_pieces_warning(mesh.view()).find("3 pieces of the mesh have one opening alone, as that of a,"),
+      0U);
+  for (const std::uint32_t corner : {1U, 125U, 125U + 27U}) add_face(corner, PatchKind::kOpening, mesh);
+  EXPECT_EQ(sealed_pieces_warning(mesh.view()), "") << "two openings each";
 }
 
 TEST(SealedPieces, LabelsThatFacesJoinAreOnePiece) {
