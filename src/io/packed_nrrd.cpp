@@ -141,7 +141,7 @@ NrrdNotes nrrd_notes(const fs::path& path) {
   while (std::getline(in, text) && !text.empty() && text != "\r") {
     if (text.size() > (is_free_text(text) ? kLongestText : kLongestField))
       fail(path, "has a damaged header (a very long line); save it again");
-    text = lower_case(std::move(text));
+    text = lower_case(std::string(trimmed(text, "\r")));
     const bool has_digits = text.find_first_of("0123456789") != std::string::npos;
     if (is_field(text, "spacings") || is_field(text, "spacedirections"))
       notes.has_spacing = notes.has_spacing || has_digits;

@@ -108,7 +108,7 @@ TEST_F(ImageFile, TurnsNrrdInRasWithTimeIntoLps) {
 
 /// ITK 5.2 turns the axes to the left instead of those to the front: its issue 5207.
 TEST_F(ImageFile, TurnsNrrdInLasIntoLps) {
-  for (const char* const space : {"left-anterior-superior", "LAS"}) {
+  for (const char* const space : {"left-anterior-superior", "LAS", "LAS\r"}) {
     NrrdText nrrd;
     nrrd.frame = std::string("space: ") + space +
                  "\nspace directions: (0,2,0) (3,0,0) (0,0,1)\nspace origin: (10,20,30)\n";
