@@ -33,7 +33,12 @@ double WallRamp::strain() const {
 void WallRamp::limit(double steepest, double cosine) {
   constexpr double kMaxFold = 0.75;  // At 1 the section might fold on its way.
   const double lean = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
-  slopes_ /= std::max({1.0, steepest / kSteepest, (strain() + lean * steepest) / kMaxFold});
+  const double times = std::max({1.0, steepest / kSteepest, (strain() + lean * steepest) / kMaxFold});
+  slopes_ /= times;
+  // A wall that narrows at 20 degrees would leave a neck of 15 % of the area else.
+  constexpr double kMaxOff = 0.03;  // Of the reach.
+  if (steepest > 0) longest_mm_ = kMaxOff * reach_mm_ * times / (kHighest * steepest);
+  set_length(length_mm_);
 }
 
 void WallRamp::add_wall(const Vec3& off_mm, const Vec3& normal, double area) {

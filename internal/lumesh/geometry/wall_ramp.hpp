@@ -3,6 +3,8 @@
 /// "From the wall to the extension".
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <limits>
 
 #include "lumesh/core/types.hpp"
 
@@ -24,7 +26,8 @@ class WallRamp {
   /// Bound of all displacements once limit() was called.
   [[nodiscard]] double max_displacement_mm() const { return kHighest * kSteepest * length_mm_; }
   [[nodiscard]] double length_mm() const { return length_mm_; }
-  void set_length(double length_mm) { length_mm_ = length_mm; }
+  /// Not more than limit() allows.
+  void set_length(double length_mm) { length_mm_ = std::min(length_mm, longest_mm_); }
   /// The slope across the axis, by length along it. @param off_mm  From the section's centre, as everywhere
   /// here.
   [[nodiscard]] Vec3 slope(const Vec3& off_mm) const;
@@ -34,8 +37,8 @@ class WallRamp {
     return along_mm * left * left * slope(off_mm);
   }
   /// Division of all slopes by as much as makes none steeper than kSteepest and folds nothing, by the length
-  /// that was set. @param steepest  Of the slopes at the section's places. @param cosine  Of the axis and the
-  /// section's normal.
+  /// that was set, and a bound of the length, for displacements of 3 % of the reach at most. @param steepest
+  /// Of the slopes at the section's places. @param cosine  Of the axis and the section's normal.
   void limit(double steepest, double cosine);
 
   /// A face of the wall, with its unit normal, that fit() has slopes follow.
@@ -54,6 +57,7 @@ class WallRamp {
 
   Vec3 axis_, u_, v_;
   double reach_mm_, length_mm_ = 0;
+  double longest_mm_ = std::numeric_limits<double>::infinity();
   Slopes slopes_ = Slopes::Zero();
   Eigen::Matrix<double, kUnknowns, kUnknowns> sums_ = Eigen::Matrix<double, kUnknowns, kUnknowns>::Zero();
   Slopes right_ = Slopes::Zero();
