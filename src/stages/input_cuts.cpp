@@ -11,6 +11,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/domain/local_volumes.hpp"
 #include "lumesh/domain/vessel_cut.hpp"
 #include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/image/topology.hpp"
@@ -171,6 +172,7 @@ std::shared_ptr<const ImageDomain> extended_domain(LabelImage& image, std::vecto
   for (const std::string& doubt : doubts_about_sections(image, domain.cut_planes(), openings))
     context.warn(doubt);
   for (const std::string& doubt : doubts_about_waists(domain, openings)) context.warn(doubt);
+  if (const std::string doubt = doubt_about_volumes(image, domain); !doubt.empty()) context.warn(doubt);
   ExtendedImage extended =
       context.phase("extensions", [&] { return extend_openings(image, domain, openings, options); });
   for (const std::string& note : extended.notes) context.warn(note);
