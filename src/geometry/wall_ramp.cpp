@@ -36,7 +36,7 @@ void WallRamp::limit(double steepest, double cosine) {
   const double times = std::max({1.0, steepest / kSteepest, (strain() + lean * steepest) / kMaxFold});
   slopes_ /= times;
   // A wall that narrows at 20 degrees would leave a neck of 15 % of the area else.
-  constexpr double kMaxOff = 0.03;  // Of the reach.
+  constexpr double kMaxOff = 0.04;  // Of the reach.
   if (steepest > 0) longest_mm_ = kMaxOff * reach_mm_ * times / (kHighest * steepest);
   set_length(length_mm_);
 }

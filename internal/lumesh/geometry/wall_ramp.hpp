@@ -37,7 +37,7 @@ class WallRamp {
     return along_mm * left * left * slope(off_mm);
   }
   /// Division of all slopes by as much as makes none steeper than kSteepest and folds nothing, by the length
-  /// that was set, and a bound of the length, for displacements of 3 % of the reach at most. @param steepest
+  /// that was set, and a bound of the length, for displacements of 4 % of the reach at most. @param steepest
   /// Of the slopes at the section's places. @param cosine  Of the axis and the section's normal.
   void limit(double steepest, double cosine);
 

@@ -362,7 +362,7 @@ TEST_F(SurfaceCuts, ExtensionsKeepOffOtherVessels) {
   EXPECT_EQ(domain_of(longer, {})->flat_ends().size(), 2U);
 }
 
-// The wall widens by 17 degrees: the extension bulges by 0.06 mm where a straight one would pass by.
+// The wall widens by 17 degrees: the extension bulges by 0.08 mm where a straight one would pass by.
 TEST_F(SurfaceCuts, ExtensionsOfWallsThatWidenKeepOffToo) {
   for (const bool widens : {false, true}) {
     Tube tube;
