@@ -216,9 +216,7 @@ class ExtensionPlanner {
     std::vector<Vec3> places;
     for (int j = 1; j + 1 < section.rows; ++j)
       for (int i = 1; i + 1 < section.columns; ++i)
-        if (is_inside(i, j) &&
-            !(is_inside(i - 1, j) && is_inside(i + 1, j) && is_inside(i, j - 1) && is_inside(i, j + 1)))
-          places.push_back(section.square(i, j));
+        if (is_at_rim(is_inside, i, j)) places.push_back(section.square(i, j));
     return places;
   }
 

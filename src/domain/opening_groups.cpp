@@ -25,8 +25,7 @@ std::vector<Vec3> rim_places(const Opening& opening) {
   const auto holds = [&](int i, int j) { return squares.hold(i, j); };
   for (int j = 0; j < squares.rows; ++j)
     for (int i = 0; i < squares.columns; ++i)
-      if (holds(i, j) && !(holds(i - 1, j) && holds(i + 1, j) && holds(i, j - 1) && holds(i, j + 1)))
-        places.push_back(squares.centre_of(i, j));
+      if (is_at_rim(holds, i, j)) places.push_back(squares.centre_of(i, j));
   return places;
 }
 

@@ -17,6 +17,13 @@ struct OpeningGroup {
   EndSection section;                ///< Of all of them together.
 };
 
+/// Whether a square lies inside beside one that does not. @param is_inside  Of the square (i, j).
+template <class IsInside>
+[[nodiscard]] bool is_at_rim(const IsInside& is_inside, int i, int j) {
+  return is_inside(i, j) &&
+         !(is_inside(i - 1, j) && is_inside(i + 1, j) && is_inside(i, j - 1) && is_inside(i, j + 1));
+}
+
 [[nodiscard]] bool are_in_one_plane(const Opening& a, const Opening& b);
 
 /// Openings in one plane that touch, by their squares.

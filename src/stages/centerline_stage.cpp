@@ -15,7 +15,6 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/edge_loops.hpp"
@@ -77,8 +76,7 @@ void require_lumen(const MixedMesh& mesh) {
 
 /// Warnings of a surface whose axes may be wrong.
 void warn_of_surface(const MixedMesh& surface, const CenterlineRequest& request, const Context& context) {
-  const std::string unit =
-      request.selection.unit.empty() ? unit_doubt(surface, {}, bounding_box(surface.points)) : "";
+  const std::string unit = request.selection.unit.empty() ? unit_doubt(surface) : "";
   if (!unit.empty()) context.warn(request.path + ": " + unit);
   const std::vector<SelfCrossing> crossings = find_self_crossings(surface.points, surface.triangles);
   if (!crossings.empty())

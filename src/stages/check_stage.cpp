@@ -11,7 +11,6 @@
 #include "check_image.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/patched_surface.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/mesh/validate.hpp"
@@ -27,7 +26,7 @@ namespace {
 constexpr std::size_t kMaxProblems = 20;  // Of a mesh.
 
 void check_unit(const MixedMesh& mesh, std::span<const Opening> openings, CheckReport& report) {
-  const std::string doubt = unit_doubt(mesh, openings, bounding_box(mesh.points));
+  const std::string doubt = unit_doubt(mesh, openings);
   if (!doubt.empty()) report.findings.push_back({"unit", Severity::kRemark, 1, doubt, "", {}});
 }
 

@@ -97,6 +97,10 @@ std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openin
   return unit_doubt(sizes);
 }
 
+std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings) {
+  return unit_doubt(surface, openings, bounding_box(surface.points));
+}
+
 void warn_of_unit(const SurfaceInput& surface, std::span<const Opening> openings, const std::string& unit,
                   const std::filesystem::path& path, const Context& context) {
   if (!unit.empty()) return;

@@ -10,7 +10,6 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/parse_number.hpp"
 #include "lumesh/core/place_text.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"
@@ -168,8 +167,7 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
 RepairOutcome repair_file(const std::string& path, const RepairRequest& request, Context& context) {
   const MixedMesh surface =
       as_surface(context.phase("read", [&] { return read_surface_file(path, "", context); }), path);
-  if (const std::string doubt = unit_doubt(surface, {}, bounding_box(surface.points)); !doubt.empty())
-    context.warn(path + ": " + doubt);
+  if (const std::string doubt = unit_doubt(surface); !doubt.empty()) context.warn(path + ": " + doubt);
   RepairOutcome outcome = naming(path, [&] {
     return context.phase("repair", [&] { return repair_surface(surface, request, context); });
   });

@@ -66,8 +66,7 @@ std::string one_opening_warning(const MeshView& mesh, std::span<const MeshPiece>
   const auto patch = static_cast<std::size_t>(*first->openings.begin());
   return fmt::format(
       "{} one opening alone, as that of {}, and nothing flows through: is the vessel interrupted, as by a "
-      "missing "
-      "slice (lumesh check lists pieces and gaps), or to be cut open with {}?",
+      "missing slice (lumesh check lists pieces and gaps), or to be cut open with {}?",
       counted(count, "piece of the mesh has", "pieces of the mesh have"), mesh.info->patches[patch].name,
       option_name("cut_at"));
 }

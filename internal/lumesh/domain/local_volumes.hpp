@@ -22,7 +22,8 @@ struct LocalVolume {
 /// standard deviations of chance: voxels place each face of a boundary within half a voxel, evenly, in
 /// sections along an axis all alike. Throats of thin vessels that the boundary widens, for one. By falling
 /// change; of cubes that overlap only the first. None where grey values place the boundary. Threads: parallel
-/// inside, bitwise identical for every thread count. Cost: about 0.3 us per face of the boundary.
+/// inside, bitwise identical for every thread count. Cost: about 60 ns per 64 voxels of the image, on one
+/// core.
 [[nodiscard]] std::vector<LocalVolume> find_changed_volumes(const LabelImage& image,
                                                             const ImageDomain& domain);
 

@@ -38,6 +38,8 @@ void edit_image(const ImageSelection& selection, Context& context, LabelImage& i
 /// @param given_mm  Around what was read, before cuts and extensions.
 [[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings,
                                      const Box3& given_mm);
+/// Doubt about a surface as it was read.
+[[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings = {});
 /// Warns of it, unless the unit is given.
 void warn_of_unit(const SurfaceInput& surface, std::span<const Opening> openings, const std::string& unit,
                   const std::filesystem::path& path, const Context& context);
