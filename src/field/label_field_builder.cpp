@@ -1,11 +1,13 @@
 // Construction of LabelField: pairs of labels that touch, the bricks near their faces, a fit for each pair.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "band.hpp"
 #include "fit.hpp"
 #include "label_pairs.hpp"
+#include "label_volumes.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/field/label_field.hpp"
@@ -40,6 +42,7 @@ class LabelFieldBuilder {
     collect_labels();
     collect_pairs();
     fit_pairs();
+    keep_volumes();
   }
 
  private:
@@ -213,6 +216,52 @@ class LabelFieldBuilder {
         }
       }
     }
+  }
+
+  /// Shifts the outer wall of short labels whose volumes are not their voxels'.
+  void keep_volumes() {
+    constexpr int kRounds = 3;
+    const field::LabelVolumes volumes(image_, pairs_);
+    for (int round = 0; round < kRounds && !volumes.is_empty(); ++round) {
+      const std::vector<float> shifts = volumes.shifts(f_);
+      if (shifts.empty()) return;
+      parallel::for_each_index(place_.size(), 1, [&](std::size_t b) { shift_outer_wall(b, shifts); });
+    }
+  }
+
+  /// Shifts a brick's outer function; voxels' centres keep their sides by as much as thin parts do.
+  void shift_outer_wall(std::size_t b, std::span<const float> shifts) {
+    constexpr auto kLimit = static_cast<float>(LabelField::kStoredLimit);
+    constexpr float kKept = 0.03F;
+    const Brick& brick = f_.active_[b];
+    const auto is_shifted = [&](LabelIndex label) { return shifts[label] != 0; };
+    if (!brick.has_outer_wall || std::ranges::none_of(f_.labels_of(brick), is_shifted)) return;
+    float* const values = &f_.blocks_[std::size_t{brick.first_pair} * LabelField::kBlock];
+    const Index3 first = brick_index(place_[b]) * kBrick + Index3::Constant(kFirstStored);
+    for_each_place(Index3::Zero(), Index3::Constant(kStored - 1), [&](const Index3& at) {
+      float& value = values[at.x() + LabelField::kRowPad * (at.y() + kStored * at.z())];
+      if (std::abs(value) >= kLimit) return;
+      const float shifted = std::clamp(value + mean_shift(first + at, shifts), -kLimit, kLimit);
+      value =
+          value > 0 ? std::max(shifted, std::min(value, kKept)) : std::min(shifted, std::max(value, -kKept));
+    });
+  }
+
+  /// Mean of the labels around a voxel, so that there is no step where two of them meet.
+  [[nodiscard]] float mean_shift(const Index3& voxel, std::span<const float> shifts) const {
+    constexpr int kReach = 3;
+    constexpr double kVariance = 1.5 * 1.5;
+    double sum = 0, weights = 0;
+    const Index3 low = clamped(voxel - Index3::Constant(kReach)),
+                 high = clamped(voxel + Index3::Constant(kReach));
+    for_each_place(low, high, [&](const Index3& other) {
+      const LabelIndex label = image_.at(other);
+      if (label == 0) return;
+      const double weight = std::exp(-0.5 / kVariance * (other - voxel).cast<double>().squaredNorm());
+      weights += weight;
+      sum += weight * static_cast<double>(shifts[label]);
+    });
+    return weights > 0 ? static_cast<float>(sum / weights) : 0;
   }
 
   LabelField& f_;

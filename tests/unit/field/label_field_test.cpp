@@ -317,6 +317,55 @@ TEST(LabelField, VesselsSideBySideKeepTheirVolumes) {
   }
 }
 
+/// The share by which a field's label is larger than its voxels, counted at places an eighth of a voxel
+/// apart.
+double excess_volume(const LabelField& field, const LabelImage& image, LabelImage::Index label) {
+  constexpr int kPlaces = 8, kAll = kPlaces * kPlaces * kPlaces;
+  const Vec3 half = Vec3::Constant(0.5);
+  int found = 0, wanted = 0;
+  for_each_place(Index3::Zero(), field.frame().size - Index3::Ones(), [&](const Index3& voxel) {
+    const Vec3 centre = voxel.cast<double>();
+    wanted += image.at(voxel) == label ? kAll : 0;
+    if (!field.near_boundary(centre - half, centre + half)) {
+      found += field.label_at(centre) == label ? kAll : 0;
+      return;
+    }
+    for_each_place(Index3::Zero(), Index3::Constant(kPlaces - 1), [&](const Index3& place) {
+      found += field.label_at(centre + (place.cast<double>() + half) / kPlaces - half) == label ? 1 : 0;
+    });
+  });
+  return static_cast<double>(found) / wanted - 1;
+}
+
+/// Their walls bulge by up to half a voxel between edges whose voxels hold the boundary from inside alone.
+TEST(LabelField, BoxesOfVoxelsKeepTheirVolumes) {
+  for (const Index3& voxels : {Index3(8, 8, 8), Index3(10, 10, 9), Index3(14, 9, 7), Index3(4, 6, 8)}) {
+    SCOPED_TRACE(testing::Message() << voxels.transpose() << " voxels");
+    const Vec3 half = 0.5 * voxels.cast<double>();
+    const ImageFrame frame = frame_of(voxels + Index3::Constant(12), Vec3::Ones());
+    const Vec3 middle = frame.to_physical(0.5 * (frame.size - Index3::Ones()).cast<double>());
+    const LabelImage image = image_of(frame, 1, [&](const Vec3& p) {
+      return ((p - middle).cwiseAbs().array() < half.array()).all() ? 1 : 0;
+    });
+    EXPECT_NEAR(100 * excess_volume(LabelField(image, {}), image, 1), 0, 2);
+  }
+}
+
+/// Two boxes that meet, one of them at the image's border, beside a plate of two voxels.
+TEST(LabelField, LabelsThatMeetKeepTheirVolumes) {
+  const ImageFrame frame = frame_of({24, 24, 28}, Vec3::Ones());
+  const Vec3 first = frame.origin_mm;
+  const LabelImage image = image_of(frame, 3, [&](const Vec3& p) {
+    const Vec3 v = p - first + Vec3::Constant(0.5);
+    if (v.x() > 18 && v.x() < 20 && v.y() > 3 && v.z() > 3) return 3;
+    const bool is_in_row = v.x() < 8 && v.y() > 6 && v.y() < 15 && v.z() > 4 && v.z() < 22;
+    return !is_in_row ? 0 : v.z() < 13 ? 1 : 2;
+  });
+  const LabelField field(image, {});
+  for (const LabelImage::Index label : {1, 2, 3})
+    EXPECT_NEAR(100 * excess_volume(field, image, label), 0, 2) << label;
+}
+
 TEST(LabelField, PlatesLinesAndGapsOfOneVoxelSurvive) {
   const ImageFrame frame = frame_of({30, 30, 30}, Vec3::Ones());
   const LabelField plate(image_of(frame, 1, [](const Vec3& p) { return p.z() == 14 ? 1 : 0; }), {});
