@@ -9,11 +9,16 @@
 
 namespace lumesh::surfaces {
 
-double share_of_view(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c, const Vec3& eye) {
+std::complex<double> half_view(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c,
+                               const Vec3& eye) {
   const Vec3 a = corner_a - eye, b = corner_b - eye, c = corner_c - eye;
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   const double under = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-  return std::atan2(a.dot(b.cross(c)), under) / (2 * std::numbers::pi);
+  return {under, a.dot(b.cross(c))};
+}
+
+double share_of_view(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c, const Vec3& eye) {
+  return std::arg(half_view(corner_a, corner_b, corner_c, eye)) / (2 * std::numbers::pi);
 }
 
 std::vector<Shell> shells_of(std::span<const Vec3> points, std::span<const Cell<3>> triangles,

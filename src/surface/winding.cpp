@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <complex>
 #include <numbers>
 #include <numeric>
 
@@ -13,6 +15,28 @@ namespace {
 
 constexpr double kFar =
     4;  // Reaches from which a node's triangles are one dipole; Barill et al. take 2, with one order more.
+
+/// A sum of angles of complex numbers by one arc tangent: their product has the sum but for full turns.
+class AngleSum {
+ public:
+  void add(const std::complex<double>& number) {
+    if (number == 0.0) return;
+    const bool is_left = product_.imag() >= 0;
+    // Written out: std::complex looks for products that are not finite.
+    product_ = {product_.real() * number.real() - product_.imag() * number.imag(),
+                product_.real() * number.imag() + product_.imag() * number.real()};
+    // Two angles to the same side whose product lies on the other passed half a turn.
+    if (is_left == (number.imag() >= 0) && is_left != (product_.imag() >= 0)) turns_ += is_left ? 1 : -1;
+    constexpr double kLarge = 1e100, kSmall = 1e-100;
+    const double size = std::abs(product_.real()) + std::abs(product_.imag());
+    if (size > kLarge || size < kSmall) product_ /= size;
+  }
+  [[nodiscard]] double sum() const { return std::arg(product_) + 2 * std::numbers::pi * turns_; }
+
+ private:
+  std::complex<double> product_ = 1;
+  int turns_ = 0;
+};
 
 }  // namespace
 
@@ -70,24 +94,25 @@ void WindingNumbers::build(std::span<std::uint32_t> order, std::uint32_t begin,
 
 double WindingNumbers::at(const Vec3& point) const {
   double sum = 0;
+  AngleSum near;
   for (std::uint32_t n = 0; n < nodes_.size();) {
     const Node& node = nodes_[n];
     const Vec3 way = node.middle - point;
-    const double distance = way.norm();
-    if (distance > kFar * node.reach) {
+    const double distance2 = way.squaredNorm();
+    if (distance2 > kFar * kFar * node.reach * node.reach) {
       // The triangles' dipoles a . (w + d) / |w + d|^3, d from the node's middle, to first order in d.
       const double first = way.dot(node.area_vector) + node.moments.trace();
-      const double second = 3 * way.dot(node.moments * way) / (distance * distance);
-      sum += (first - second) / (4 * std::numbers::pi * distance * distance * distance);
+      const double second = 3 * way.dot(node.moments * way) / distance2;
+      sum += (first - second) / (4 * std::numbers::pi * distance2 * std::sqrt(distance2));
       n = node.next;
       continue;
     }
     if (node.is_leaf())
       for (std::uint32_t i = node.begin; i < node.end; ++i)
-        sum += surfaces::share_of_view(corners_[i][0], corners_[i][1], corners_[i][2], point);
+        near.add(surfaces::half_view(corners_[i][0], corners_[i][1], corners_[i][2], point));
     ++n;
   }
-  return sum;
+  return sum + near.sum() / (2 * std::numbers::pi);
 }
 
 }  // namespace lumesh

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Connected parts of a surface as shells: what each encloses, and which lies within which.
 
+#include <complex>
 #include <span>
 #include <vector>
 
@@ -23,8 +24,12 @@ struct Shell {
 [[nodiscard]] std::vector<Shell> shells_of(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
                                            const Parts& parts);
 
-/// Solid angle of a triangle seen from a point, signed, as a share of the sphere: positive where it points
-/// away. Source: van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207, eq. (8).
+/// A complex number whose argument is half the solid angle of a triangle seen from a point, positive where
+/// it points away; 0 at a corner. Source: van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207, eq.
+/// (8).
+[[nodiscard]] std::complex<double> half_view(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c,
+                                             const Vec3& eye);
+/// That solid angle as a share of the sphere.
 [[nodiscard]] double share_of_view(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c,
                                    const Vec3& eye);
 
