@@ -3,14 +3,14 @@
 
 Faults, each with a seed: five holes; 5 % of the triangles turned; five vertices pulled over the opposite edge; three pieces of
 the wall there twice, the copies turned a little; the whole twice, exactly or 0.1 % larger; five fins on edges of the wall; folds,
-holes and turned triangles together. Pieces are up to 5 % of the diagonal wide.
+holes and turned triangles together. Pieces are up to 5 % of the diagonal wide. --kinds wider: those of wider_faults.py.
 
 Asked of each: `lumesh check` finds no fault in the result, it has the components of the sound surface, and the two-sided distance to
 the sound surface is at most 1 % of its diagonal (corners and middles of edges and triangles of up to 600 triangles that differ; not
 asked of lumesh).
 Else it must have been refused with a place. One line on stderr for each that is not repaired; JSON on stdout. Needs numpy.
 
-Usage: surface_repair.py [--program PATH] [--seeds N] [--kinds KIND,…] SURFACE…      SURFACE: .off or .stl, sound
+Usage: surface_repair.py [--program PATH] [--seeds N] [--kinds KIND,…|wider] SURFACE…      SURFACE: .off or .stl, sound
 """
 import argparse
 import json
@@ -24,6 +24,7 @@ import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import run  # noqa: E402  (ROOT)
+from wider_faults import FAULTS as WIDER_FAULTS  # noqa: E402
 
 KINDS = ("holes", "turned", "folds", "overlaps", "same shell", "scaled shell", "fins", "all")
 SHARE = 0.01  # Of the diagonal.
@@ -134,6 +135,8 @@ def finned(points, triangles, diagonal, random):
 
 
 def with_faults(kind, points, triangles, diagonal, random):
+    if kind in WIDER_FAULTS:
+        return WIDER_FAULTS[kind](points, triangles, diagonal, random)
     if kind == "holes":
         return holed(points, triangles, diagonal, random)
     if kind == "turned":
@@ -227,18 +230,19 @@ def main():
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("surfaces", nargs="+", type=pathlib.Path)
     arguments = parser.parse_args()
+    kinds = tuple(WIDER_FAULTS) if arguments.kinds == "wider" else arguments.kinds.split(",")
     results = []
     with tempfile.TemporaryDirectory() as folder:
         for path in arguments.surfaces:
             surface = read_off(path) if path.suffix == ".off" else read_stl(path)
-            for kind in arguments.kinds.split(","):
+            for kind in kinds:
                 for seed in range(1, arguments.seeds + 1):
                     one = try_one(arguments.program, pathlib.Path(folder), surface, kind, seed)
                     results.append({"surface": path.name, "triangles": len(surface[1]), "kind": kind, "seed": seed, **one})
                     if one["outcome"] != "repaired":
                         print(f"{path.name}, {kind}, seed {seed}: {one['outcome']}: {one['why']}", file=sys.stderr, flush=True)
     counts = {kind: {outcome: sum(r["kind"] == kind and r["outcome"] == outcome for r in results)
-                     for outcome in ("repaired", "refused", "wrong", "failed")} for kind in arguments.kinds.split(",")}
+                     for outcome in ("repaired", "refused", "wrong", "failed")} for kind in kinds}
     print(json.dumps({"counts": counts, "results": results}, indent=1))
     return 1 if any(r["outcome"] in ("wrong", "failed") for r in results) else 0
 
