@@ -110,7 +110,7 @@ CheckReport check_file(const std::filesystem::path& path, const ImageSelection& 
   MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(path, selection.unit); });
   CheckReport report = context.phase("check", [&] {
     if (mesh.view().cell_count() == 0) {
-      mesh = as_surface(std::move(mesh), path);
+      mesh = as_surface(std::move(mesh), path, context);
       return check_surface(mesh, path);
     }
     bring_to_lps_mm(mesh);

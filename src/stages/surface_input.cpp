@@ -111,12 +111,15 @@ std::unique_ptr<SurfaceDomain> SurfaceInput::domain(const SurfaceDomainOptions& 
   return std::make_unique<SurfaceDomain>(surface_view(mesh, resolution_mm), options);
 }
 
-MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path) {
+MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path, const Context& context) {
   if (mesh.view().cell_count() > 0)
     throw Error(ErrorKind::kBadInput,
                 path.string() + ": is a mesh of a volume; give its surface alone, such as a .stl or .vtp");
   bring_to_lps_mm(mesh);
   split_quadrilaterals(mesh);
+  if (const double apart = surfaces::join_torn_corners(mesh.points, mesh.triangles); apart > 0)
+    context.warn(fmt::format("{}: each triangle has corners of its own; those up to {:.2g} mm apart are one",
+                             path.string(), apart));
   return mesh;
 }
 
@@ -124,7 +127,7 @@ SurfaceInput read_surface(const std::filesystem::path& path, const std::string& 
                           const SurfaceInputOptions& options, const InputCuts& cuts, const Context& context) {
   MixedMesh read = read_surface_file(path, options.patch_array, context);
   if (!unit.empty()) read.info.unit = unit;
-  SurfaceInput input{as_surface(std::move(read), path), {}, 0};
+  SurfaceInput input{as_surface(std::move(read), path, context), {}, 0};
   input.given_box_mm = bounding_box(input.mesh.points);
   input.closed = close_open_ends(input.mesh, options, context);
   if (cuts.none()) return input;

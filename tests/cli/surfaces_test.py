@@ -7,6 +7,7 @@ import gzip
 import json
 import math
 import pathlib
+import random
 import sys
 import unittest
 
@@ -347,6 +348,22 @@ class SurfacesTest(ProgramTest):
         _, told = self.patches_made(source)
         self.assertEqual(told, "")
         self.assertEqual(self.run_well("centerline", source, "-o", self.folder / "lines.vtp").stderr, "")
+
+    def test_corners_of_triangles_that_hardly_differ_are_one(self):
+        points, triangles = tube()
+        shaken = random.Random(3)
+        corners = [tuple(x + shaken.uniform(-2e-5, 2e-5) for x in points[v]) for t in triangles for v in t]
+        own = [(3 * t, 3 * t + 1, 3 * t + 2) for t in range(len(triangles))]
+        torn = self.stl("torn.stl", corners, own)
+        repaired = self.folder / "repaired.vtp"
+        for result in (self.run_well("check", torn), self.run_well("repair", torn, "-o", repaired)):
+            told = [line for line in result.stderr.splitlines() if "each triangle has corners of its own" in line]
+            self.assertEqual(len(told), 1, result.stderr)
+            self.assertIn("e-05 mm apart are one", told[0])
+        self.assertEqual(json.loads(self.run_well("check", repaired, "--json").stdout)["size"],
+                         f"{len(triangles)} triangles, {len(points)} points")
+        _, report, _ = self.mesh(torn, "--edge-length", 0.8)
+        self.assertEqual([end["kind"] for end in report["closed"]], ["opening", "opening"])
 
     def test_keep_open_refuses(self):
         source = self.stl("tube.stl", *tube())

@@ -14,9 +14,10 @@
 
 namespace lumesh {
 
-/// Surface of what was read from a file, in mm (LPS), quadrilaterals as two triangles each.
+/// Surface of what was read from a file, in mm (LPS), quadrilaterals as two triangles each. Warns of corners
+/// that are joined (surfaces::join_torn_corners()).
 /// @throws Error{kBadInput} that names the file if it holds a volume.
-[[nodiscard]] MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path);
+[[nodiscard]] MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path, const Context& context);
 
 /// Closes a surface as read_surface() does; one that is closed stays as it is. Warns of wide holes that
 /// became wall.
