@@ -77,6 +77,9 @@ std::string text_of_repairs(const RepairOutcome& outcome) {
   line(r.flipped_edges, "edges beside triangles without area swapped");
   line(r.holes, fmt::format("holes filled, the widest with a radius of {:.3g} mm", r.widest_hole_mm));
   line(r.moved_vertices, "vertices pulled past their neighbours put back");
+  line(r.far_vertices,
+       fmt::format("of them farther than asked, to where the wall around was: up to {:.3g} mm, at {}",
+                   r.put_back.distance_mm, place_text(r.put_back.place_mm)));
   line(r.removed_triangles, fmt::format("triangles at crossings replaced, in {} rounds", r.rounds));
   line(r.new_triangles, "new triangles in all");
   line(r.openings, "openings left open");
@@ -191,11 +194,12 @@ std::string renaming_text(const std::string& path, const RenamedMesh& made) {
 
 std::string repair_text(const std::string& path, const RepairOutcome& outcome) {
   return text_of_repairs(outcome) + fmt::format(
-                                        "{}: {} triangles, {} components ({} before); nothing moved farther "
-                                        "than {:.3g} mm of {:.3g} mm\n",
+                                        "{}: {} triangles, {} components ({} before); nothing{} moved "
+                                        "farther than {:.3g} mm of {:.3g} mm\n",
                                         path, outcome.surface.triangles.size(), outcome.report.components,
-                                        outcome.given_components, outcome.report.moved.distance_mm,
-                                        outcome.max_distance_mm);
+                                        outcome.given_components,
+                                        outcome.report.far_vertices > 0 ? " else" : "",
+                                        outcome.report.moved.distance_mm, outcome.max_distance_mm);
 }
 
 std::string merge_text(const std::string& path, const MergeResult& merged,

@@ -121,7 +121,8 @@ void RepairRequest::describe(OptionList& list) {
       "max_distance",
       {[this] { return fmt::format("{}{}", max_distance.number, max_distance.is_percent ? "%" : ""); },
        [this](const std::string& text) { max_distance = length_from(text); }},
-      "How far anything may move: a length in mm, or with % a share of the surface's diagonal");
+      "How far anything may move, vertices put back three times that: a length in mm, or with % a share of "
+      "the surface's diagonal");
   list.choice<RepairMethod>(
       "method", method,
       {{"auto", RepairMethod::kAuto}, {"local", RepairMethod::kLocal}, {"rebuild", RepairMethod::kRebuild}},

@@ -32,8 +32,9 @@ constexpr int kRoundsOfFolds = 3;  // Surfaces may have such edges of their own.
 constexpr double kFlapArea =
     0.05;  // Of the largest part's: an open part that lies on others, whichever way it is turned.
 
-/// Where a triangle comes from: its number in the given surface, or one of these.
-constexpr std::uint32_t kMended = ~0U, kHoleFilling = ~0U - 1;
+/// Where a triangle comes from: its number in the given surface, or one of these; what fills holes that were
+/// given counts for no distance.
+constexpr std::uint32_t kMended = ~0U, kUncounted = ~0U - 1;
 
 /// What to do about triangles that lie back on their neighbours.
 enum class Folds : std::uint8_t { kTakeOut, kLeave };
@@ -68,7 +69,7 @@ class LocalRepair {
     make_manifold();
     if (surface_.triangles.empty()) return;
     find_openings();
-    fill_holes(kHoleFilling);
+    fill_holes(kUncounted);
     topology_ = topology();
     flip_flat_triangles();
     const std::vector<std::uint8_t> is_bad = faulty_triangles(1, all());
@@ -105,9 +106,9 @@ class LocalRepair {
     report_.openings = topology.openings;
     report_.genus = topology.genus;
     report_.new_triangles =
-        static_cast<std::uint64_t>(std::ranges::count_if(origin_, [](auto o) { return o >= kHoleFilling; }));
+        static_cast<std::uint64_t>(std::ranges::count_if(origin_, [](auto o) { return o >= kUncounted; }));
     for (std::size_t t = 0; t < origin_.size(); ++t)
-      if (origin_[t] < kHoleFilling &&
+      if (origin_[t] < kUncounted &&
           triangle_area_normal(surface_.points, surface_.triangles[t])
                   .dot(triangle_area_normal(given_.points, given_.triangles[origin_[t]])) < 0)
         ++report_.turned_triangles;
@@ -130,7 +131,7 @@ class LocalRepair {
   }
   /// Before a triangle goes or moves.
   void note_replaced(std::size_t t) {
-    if (origin_[t] >= kHoleFilling) return;
+    if (origin_[t] >= kUncounted) return;
     const auto first = static_cast<std::uint32_t>(replaced_.points.size());
     for (const std::uint32_t v : surface_.triangles[t]) replaced_.points.push_back(surface_.points[v]);
     replaced_.triangles.push_back({first, first + 1, first + 2});
@@ -269,7 +270,7 @@ class LocalRepair {
     std::vector<std::uint8_t> touches(surface_.points.size(), 0);
     for (const Fan& fan : fans) touches[fan.vertex] = 1;
     const std::vector<Rim> rims = find_rims(surface_);
-    fill_holes(kHoleFilling, rims, [&, is_opening = rims_are_openings(surface_, rims)](std::size_t r) {
+    fill_holes(kUncounted, rims, [&, is_opening = rims_are_openings(surface_, rims)](std::size_t r) {
       return is_opening[r] == 0 &&
              std::ranges::any_of(rims[r].vertices, [&](std::uint32_t v) { return touches[v] != 0; });
     });
@@ -314,14 +315,14 @@ class LocalRepair {
       if (!is_wanted(r)) continue;
       const bool is_at_hole = std::ranges::any_of(
           rims[r].vertices, [&](std::uint32_t v) { return v < is_at_hole_.size() && is_at_hole_[v] != 0; });
-      if (origin == kHoleFilling) {
+      if (origin == kUncounted) {
         ++report_.holes;
         report_.widest_hole_mm = std::max(report_.widest_hole_mm, rims[r].radius_mm);
       }
       const std::size_t first = surface_.triangles.size();
       fill_hole(surface_, rims[r], commonest_patch(surface_, walls[r]));
-      origin_.resize(surface_.triangles.size(), is_at_hole ? kHoleFilling : origin);
-      if (origin_.back() != kHoleFilling) continue;
+      origin_.resize(surface_.triangles.size(), is_at_hole ? kUncounted : origin);
+      if (origin_.back() != kUncounted) continue;
       is_at_hole_.resize(surface_.points.size(), 0);
       for (std::size_t t = first; t < origin_.size(); ++t)
         for (const std::uint32_t v : surface_.triangles[t]) is_at_hole_[v] = 1;
@@ -423,17 +424,24 @@ class LocalRepair {
     }
   }
 
+  /// Triangles at vertices that were put back farther than asked count for no distance: that the vertex was
+  /// there is the fault.
   void put_back(const std::vector<std::uint8_t>& is_bad) {
     TriangleMesh moved = surface_;
-    const std::vector<std::uint32_t> strays = put_back_strays(moved, is_bad, max_distance_mm_);
-    report_.moved_vertices = strays.size();
-    std::vector<std::uint8_t> is_stray(surface_.points.size(), 0);
-    for (const std::uint32_t v : strays) is_stray[v] = 1;
+    const StraysPutBack strays = put_back_strays(moved, is_bad, max_distance_mm_);
+    report_.moved_vertices = strays.vertices.size();
+    report_.far_vertices = strays.far_vertices.size();
+    report_.put_back = strays.farthest;
+    enum : std::uint8_t { kStays, kIsMoved, kIsFar };
+    std::vector<std::uint8_t> way(surface_.points.size(), kStays);
+    for (const std::uint32_t v : strays.vertices) way[v] = kIsMoved;
+    for (const std::uint32_t v : strays.far_vertices) way[v] = kIsFar;
     for (std::size_t t = 0; t < origin_.size(); ++t) {
-      if (std::ranges::none_of(surface_.triangles[t], [&](std::uint32_t v) { return is_stray[v] != 0; }))
-        continue;
-      note_replaced(t);
-      if (origin_[t] != kHoleFilling) origin_[t] = kMended;
+      std::uint8_t farthest = kStays;
+      for (const std::uint32_t v : surface_.triangles[t]) farthest = std::max(farthest, way[v]);
+      if (farthest == kIsMoved) note_replaced(t);
+      if (farthest != kStays && origin_[t] != kUncounted)
+        origin_[t] = farthest == kIsFar ? kUncounted : kMended;
     }
     surface_ = std::move(moved);
   }

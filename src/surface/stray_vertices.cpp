@@ -21,6 +21,8 @@ namespace {
 /// One vertex pulled astray spoils few triangles; where more hang together there is another fault.
 constexpr std::uint32_t kMostSpoilt = 300;
 constexpr double kLeastShare = 0.3;  // Of the triangles at a stray vertex that are bad.
+// Distances asked: where a corner was pulled away farther, the planes around guess too badly.
+constexpr double kMostOfAsked = 3;
 constexpr double kFoldedCosine =
     -0.95;  // Between normals of neighbours, of which one lies back on the other.
 
@@ -33,11 +35,10 @@ class Strays {
         triangles_around_(parallel::cells_around(surface.triangles, surface.points.size())),
         neighbours_(edge_neighbours(surface.triangles)) {}
 
-  std::vector<std::uint32_t> put_back(std::span<const std::uint8_t> is_bad) {
-    std::vector<std::uint32_t> moved;
+  StraysPutBack put_back(std::span<const std::uint8_t> is_bad) {
     for (const std::uint32_t v : suspects(is_bad))
-      if (has_faults(v) && put_back_one(v, is_bad)) moved.push_back(v);
-    return moved;
+      if (has_faults(v) && put_back_one(v, is_bad)) done_.vertices.push_back(v);
+    return std::move(done_);
   }
 
  private:
@@ -77,12 +78,24 @@ class Strays {
   /// Moves a vertex to a place, or as much of the way as does. False, with the vertex where it was, if none
   /// does.
   bool try_to_move(std::uint32_t v, const Vec3& place) {
-    constexpr std::array kWays = {1.0, 0.5, 0.25, 0.125};
+    struct Way {
+      double share, most_of_asked;
+    };
+    // More than asked only where less than three quarters of the way are within it.
+    constexpr std::array kWays = {Way{1, 1},   Way{0.75, 1}, Way{1, kMostOfAsked},
+                                  Way{0.5, 1}, Way{0.25, 1}, Way{0.125, 1}};
     const Vec3 given = surface_.points[v], way = place - given;
     const TriangleMesh before = star_of(v);
-    for (const double share : kWays) {
+    const bool may_go_far = is_tangled_near(v);
+    for (const auto& [share, most_of_asked] : kWays) {
       surface_.points[v] = given + share * way;
-      if (has_faults(v) || (share * way.norm() > max_distance_mm_ && moves_too_far(before, v))) continue;
+      if ((most_of_asked > 1 && !may_go_far) || has_faults(v)) continue;
+      const double moved_mm = share * way.norm() > max_distance_mm_ ? distance_moved(before, v) : 0;
+      if (moved_mm > most_of_asked * max_distance_mm_) continue;
+      if (moved_mm > max_distance_mm_) {
+        done_.far_vertices.push_back(v);
+        if (moved_mm > done_.farthest.distance_mm) done_.farthest = {moved_mm, given};
+      }
       const auto star = triangles_around_.of(v);
       changed_.insert(changed_.end(), star.begin(), star.end());
       return true;
@@ -100,13 +113,27 @@ class Strays {
     return star;
   }
   /// Between what the triangles at a vertex were and the surface as it is now, and the other way round.
-  [[nodiscard]] bool moves_too_far(const TriangleMesh& before, std::uint32_t v) const {
+  [[nodiscard]] double distance_moved(const TriangleMesh& before, std::uint32_t v) const {
     const double step_mm = max_distance_mm_ / 4;
-    return farthest_from(star_of(v), tree_, step_mm).distance_mm > max_distance_mm_ ||
-           farthest_from(before,
-                         TriangleTree(surface_.points, at(numbers_near(bounding_box(before.points), v))),
-                         step_mm)
-                   .distance_mm > max_distance_mm_;
+    const TriangleTree now(surface_.points, at(numbers_near(bounding_box(before.points), v)));
+    return std::max(farthest_from(star_of(v), tree_, step_mm).distance_mm,
+                    farthest_from(before, now, step_mm).distance_mm);
+  }
+  /// Whether the triangles at a vertex cross none but those a few edges away: it was pulled past neighbours,
+  /// and is no tip that pierces another part.
+  [[nodiscard]] bool is_tangled_near(std::uint32_t v) const {
+    constexpr int kRings = 3;
+    std::vector<std::uint32_t> around(triangles_around_.of(v).begin(), triangles_around_.of(v).end());
+    for (int ring = 1; ring < kRings; ++ring) {
+      std::vector<std::uint32_t> wider;
+      for (const std::uint32_t t : around)
+        for (const std::uint32_t w : surface_.triangles[t])
+          wider.insert(wider.end(), triangles_around_.of(w).begin(), triangles_around_.of(w).end());
+      sort_unique(wider);
+      around = std::move(wider);
+    }
+    return std::ranges::all_of(crossed_by(v),
+                               [&](std::uint32_t t) { return std::ranges::binary_search(around, t); });
   }
   /// The triangles in a box, as they were given, and those that were moved or are at a vertex.
   [[nodiscard]] std::vector<std::uint32_t> numbers_near(const Box3& box, std::uint32_t v) const {
@@ -156,21 +183,28 @@ class Strays {
 
   /// Whether a triangle at a vertex crosses or lies back on any.
   [[nodiscard]] bool has_faults(std::uint32_t v) const {
-    const auto star = triangles_around_.of(v);
-    Box3 box;
-    for (const std::uint32_t t : star) {
+    for (const std::uint32_t t : triangles_around_.of(v)) {
       const auto& [a, b, c] = surface_.triangles[t];
       if (!has_area({surface_.points[a], surface_.points[b], surface_.points[c]})) return true;
       const Vec3 normal = triangle_normal(surface_.points, surface_.triangles[t]);
       for (const std::uint32_t n : neighbours_[t])
         if (normal.dot(triangle_normal(surface_.points, surface_.triangles[n])) < kFoldedCosine) return true;
-      for (const std::uint32_t w : {a, b, c}) box.extend(surface_.points[w]);
     }
+    return !crossed_by(v).empty();
+  }
+  /// Triangles of pairs that cross and of which one is at a vertex.
+  [[nodiscard]] std::vector<std::uint32_t> crossed_by(std::uint32_t v) const {
+    Box3 box;
+    const auto star = triangles_around_.of(v);
+    for (const std::uint32_t t : star)
+      for (const std::uint32_t w : surface_.triangles[t]) box.extend(surface_.points[w]);
     const std::vector<std::uint32_t> near = numbers_near(box, v);
-    return std::ranges::any_of(find_self_crossings(surface_.points, at(near)), [&](const SelfCrossing& pair) {
-      return std::ranges::any_of(
-          star, [&](std::uint32_t t) { return t == near[pair.first] || t == near[pair.second]; });
-    });
+    const auto is_of_star = [&](std::uint32_t t) { return std::ranges::find(star, t) != star.end(); };
+    std::vector<std::uint32_t> crossed;
+    for (const SelfCrossing& pair : find_self_crossings(surface_.points, at(near)))
+      if (is_of_star(near[pair.first]) || is_of_star(near[pair.second]))
+        crossed.insert(crossed.end(), {near[pair.first], near[pair.second]});
+    return crossed;
   }
 
   TriangleMesh& surface_;
@@ -178,13 +212,14 @@ class Strays {
   TriangleTree tree_;  // Of the surface as given.
   parallel::Adjacency triangles_around_;
   EdgeNeighbours neighbours_;
+  StraysPutBack done_;
   std::vector<std::uint32_t> changed_;  // Triangles at vertices that were moved.
 };
 
 }  // namespace
 
-std::vector<std::uint32_t> put_back_strays(TriangleMesh& surface, std::span<const std::uint8_t> is_bad,
-                                           double max_distance_mm) {
+StraysPutBack put_back_strays(TriangleMesh& surface, std::span<const std::uint8_t> is_bad,
+                              double max_distance_mm) {
   return Strays(surface, max_distance_mm).put_back(is_bad);
 }
 

@@ -76,18 +76,20 @@ struct RepairReport {
   std::uint64_t singular_edges = 0;       ///< Edges of three triangles or more, cut.
   std::uint64_t singular_points = 0;      ///< Points of more than one fan, divided.
   std::uint64_t turned_triangles = 0;
-  std::uint64_t flipped_edges = 0;      ///< Beside triangles without area.
-  std::uint64_t holes = 0;              ///< Filled ones of the given surface.
-  double widest_hole_mm = 0;            ///< Radius.
-  std::uint64_t moved_vertices = 0;     ///< Put back, as they were pulled past their neighbours.
-  int rounds = 0;                       ///< In which triangles that cross were replaced.
+  std::uint64_t flipped_edges = 0;   ///< Beside triangles without area.
+  std::uint64_t holes = 0;           ///< Filled ones of the given surface.
+  double widest_hole_mm = 0;         ///< Radius.
+  std::uint64_t moved_vertices = 0;  ///< Put back, as they were pulled past their neighbours.
+  std::uint64_t far_vertices = 0;    ///< Vertices among those put back farther than may move.
+  FarthestPoint put_back;  ///< The farthest distance of the triangles at those, and where the vertex was.
+  int rounds = 0;          ///< In which triangles that cross were replaced.
   std::uint64_t removed_triangles = 0;  ///< In those rounds.
   std::uint64_t new_triangles = 0;      ///< Triangles that were not given.
   std::uint64_t openings = 0;           ///< That were left open.
   std::uint64_t components = 0;
   std::int64_t genus = 0;
-  /// The farther of both sides of the Hausdorff distance, but for fillings of holes that were given, and
-  /// parts that were dropped.
+  /// The farther of both sides of the Hausdorff distance, but for fillings of holes that were given,
+  /// parts that were dropped, and triangles at vertices of `far_vertices`.
   FarthestPoint moved;
 };
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <random>
 
@@ -107,6 +108,45 @@ TEST(LocalRepair, VerticesPulledPastTheirNeighboursOnASharpEdgeArePutBack) {
     EXPECT_EQ(faults_of(made.surface), "");
     EXPECT_LE(distance_between(made.surface, sound), 0.01 * diagonal_of(sound));
   }
+}
+
+/// A block with square ends and kSquares x kSquares squares on each side, the first vertex at a corner.
+TriangleMesh block() {
+  constexpr std::uint32_t kSquares = 12, kAround = 4 * kSquares;
+  std::vector<Vec2> profile;
+  for (std::uint32_t row = 0; row <= kSquares; ++row) profile.emplace_back(1, 20.0 * row / kSquares);
+  TriangleMesh block = revolved(profile, kAround);
+  const std::array<Vec2, 5> corners = {Vec2(10, 0), Vec2(0, 10), Vec2(-10, 0), Vec2(0, -10), Vec2(10, 0)};
+  for (std::size_t v = 0; v < block.points.size(); ++v) {
+    const std::size_t side = v % kAround / kSquares;
+    const double share = static_cast<double>(v % kSquares) / kSquares;
+    block.points[v].head<2>() = corners[side] + share * (corners[side + 1] - corners[side]);
+  }
+  block.points.emplace_back(0, 0, 0);
+  block.points.emplace_back(0, 0, 20);
+  const auto middle = static_cast<std::uint32_t>(block.points.size()) - 2;
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    const std::uint32_t next = (i + 1) % kAround;
+    block.triangles.push_back({middle, next, i});
+    block.triangles.push_back({middle + 1, kAround * kSquares + i, kAround * kSquares + next});
+  }
+  block.patches.resize(block.triangles.size(), 0);
+  return block;
+}
+
+TEST(LocalRepair, ACornerPulledFarIsPutBackWhollyAndTold) {
+  const TriangleMesh sound = block();
+  TriangleMesh faulty = sound;
+  faulty.points[0] = sound.points[1] + 0.3 * (sound.points[1] - sound.points[0]);
+  const double asked_mm = 0.01 * diagonal_of(sound);
+  ASSERT_GT(distance_between(faulty, sound), 1.5 * asked_mm);
+  const RepairedSurface made = repair_locally(faulty, asked_mm);
+  ASSERT_TRUE(made.ok()) << made.failure;
+  EXPECT_EQ(faults_of(made.surface), "");
+  EXPECT_LE(distance_between(made.surface, sound), asked_mm);
+  EXPECT_EQ(made.report.far_vertices, 1U);
+  EXPECT_GT(made.report.put_back.distance_mm, asked_mm);
+  EXPECT_LE(made.report.moved.distance_mm, asked_mm);
 }
 
 TEST(LocalRepair, WhatCrossesAmongLargeTrianglesIsTakenOutInPieces) {
