@@ -56,16 +56,16 @@ constexpr unsigned kVolumeIn = bits(kRead, kReadVolume, kPoints), kTetrahedraOut
                    kSurfaceIn = bits(kRead, kPoints), kSurface = kSurfaceIn | bits(kWrite, kWriteSurface),
                    kTable = bits(kPoints, kPointData), kImage = bits(kReadImage, kWriteImage);
 
-constexpr FileFormat::Code kLegacyVtk = {io::read_legacy_vtk, io::write_legacy_vtk,
+constexpr FileFormat::Code kLegacyVtk = {io::read_legacy_vtk, io::write_legacy_vtk, io::read_legacy_vtk_by,
                                          io::read_legacy_vtk_points, io::read_legacy_vtk_point_data};
 constexpr FileFormat::Code kText = {.read_points = io::read_text_points,
                                     .read_point_data = io::read_text_point_data};
 
 /// Every format, and all that is said of formats anywhere, in the order of the lists.
 constexpr auto kFormats = std::to_array<FileFormat>({
-    {".vtu", ".vtu", kVtkVolume, {io::read_vtu, io::write_vtu, points_of_vtu, data_of_vtu}},
-    {".vtk", ".vtk", kVtkVolume, kLegacyVtk},
-    {".vtk.gz", "", kVolumeIn | bits(kPointData), kLegacyVtk},
+    {".vtu", ".vtu", kVtkVolume, {io::read_vtu, io::write_vtu, nullptr, points_of_vtu, data_of_vtu}},
+    {".vtk", ".vtk", kVtkVolume | bits(kPatchArray), kLegacyVtk},
+    {".vtk.gz", "", kVolumeIn | bits(kPointData, kPatchArray), kLegacyVtk},
     {".mesh", ".mesh", kVolume, {io::read_medit_ascii, write_plainly<io::write_medit_ascii>}},
     {".meshb", ".meshb", kVolume, {io::read_medit_binary, write_plainly<io::write_medit_binary>}},
     {".msh", ".msh", kVolume, {io::read_gmsh, write_gmsh}},
@@ -81,10 +81,11 @@ constexpr auto kFormats = std::to_array<FileFormat>({
     {".vtp",
      ".vtp",
      kSurface | bits(kPatchArray, kLabelAlias, kPointData, kLines),
-     {io::read_vtp_surface, io::write_vtp_surface, points_of_vtp, data_of_vtp}},
+     {io::read_vtp_surface, io::write_vtp_surface, io::read_vtp_surface_by, points_of_vtp, data_of_vtp}},
     {".stl", ".stl", kSurface | bits(kWriteSingle), {io::read_stl, write_plainly<io::write_stl>}, "solid"},
     {".stl.gz", "", kSurfaceIn, {io::read_stl}, "solid"},
     {".obj", ".obj", kSurfaceIn, {io::read_obj}, "group"},
+    {".ply", ".ply", kSurfaceIn, {io::read_ply}},
     {".off", ".off", kSurface, {io::read_off, write_plainly<io::write_off>}},
     {".sol", ".sol", bits(kMetricAlone)},
     {".solb", ".solb", bits(kMetricAlone)},

@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <string_view>
 
+#include "lumesh/core/context.hpp"
 #include "lumesh/core/file_use.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
@@ -27,7 +29,9 @@ struct FileFormat {
   struct Code {
     MixedMesh (*read)(const Path& path) = nullptr;
     void (*write)(const Path& path, const MeshView& mesh, const MeshWriteOptions& options) = nullptr;
-    MixedMesh (*read_points)(const Path& path) = nullptr;  ///< None: those of read().
+    MixedMesh (*read_by_array)(const Path& path, const std::string& patch_array,
+                               const Context& context) = nullptr;  ///< Instead of read(), if there is one.
+    MixedMesh (*read_points)(const Path& path) = nullptr;          ///< None: those of read().
     PointData (*read_point_data)(const Path& path) = nullptr;
     void (*write_image)(const Path& path, const LabelImage& image,
                         const std::function<void()>& when_complete) = nullptr;

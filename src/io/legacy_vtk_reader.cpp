@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,19 +18,25 @@
 #include "mesh_info_json.hpp"
 #include "metric_tensors.hpp"
 #include "point_arrays.hpp"
+#include "polygons.hpp"
 #include "unpacked_file.hpp"
 
 namespace lumesh::io {
 
 namespace {
 
+constexpr const char* kOtherData = "holds neither an unstructured grid nor PolyData";
+
 class LegacyReader {
  public:
   explicit LegacyReader(const std::filesystem::path& path) : path_(path), content_(unpacked_file(path)) {}
 
-  MixedMesh run() {
+  /// @param patch_array  As add_polygons() takes it; empty for unstructured grids.
+  MixedMesh run(const std::string& patch_array, const Context& context) {
     read_header();
-    if (dataset_ != "UNSTRUCTURED_GRID") fail("holds no unstructured grid");
+    if (dataset_ == "POLYDATA") return run_for_polygons(patch_array, context);
+    if (dataset_ != "UNSTRUCTURED_GRID") fail(kOtherData);
+    if (!patch_array.empty()) fail("is a mesh, and patches by an array are read of surfaces");
     read_sections();
     assemble();
     return std::move(mesh_);
@@ -45,7 +52,7 @@ class LegacyReader {
       for (; !word.empty() && word != "POINTS"; word = next()) read_section(word);
       if (!word.empty()) read_section(word);
     } else {
-      fail("holds neither an unstructured grid nor PolyData");
+      fail(kOtherData);
     }
     assemble_points();
     restore_info();
@@ -55,8 +62,7 @@ class LegacyReader {
   /// The same with the arrays on the points.
   PointData run_for_point_data() {
     read_header();
-    if (dataset_ != "UNSTRUCTURED_GRID" && dataset_ != "POLYDATA")
-      fail("holds neither an unstructured grid nor PolyData");
+    if (dataset_ != "UNSTRUCTURED_GRID" && dataset_ != "POLYDATA") fail(kOtherData);
     keeps_point_arrays_ = true;
     read_sections();
     assemble_points();
@@ -71,6 +77,32 @@ class LegacyReader {
 
  private:
   [[noreturn]] void fail(const std::string& what) const { io::fail(path_, what); }
+
+  MixedMesh run_for_polygons(const std::string& patch_array, const Context& context) {
+    read_sections();
+    assemble_points();
+    restore_info();
+    CellArrays arrays;
+    for (const auto& [name, values] : arrays_)
+      if (!name.starts_with("lumesh_")) arrays.names.push_back(name);
+    arrays.find = [&](const std::string& name) -> std::optional<std::vector<std::int64_t>> {
+      const auto found = arrays_.find(name);
+      if (found == arrays_.end()) return std::nullopt;
+      return integers(found->second);
+    };
+    add_polygons(path_, polygons_, arrays, patch_array, context, mesh_);
+    return std::move(mesh_);
+  }
+  [[nodiscard]] std::vector<std::int64_t> integers(const std::vector<double>& values) const {
+    std::vector<std::int64_t> result;
+    result.reserve(values.size());
+    for (const double value : values) {
+      if (!(std::abs(value) < 1e15) || value != std::floor(value))
+        fail(fmt::format("{} stands where a whole number belongs", value));
+      result.push_back(static_cast<std::int64_t>(value));
+    }
+    return result;
+  }
 
   std::string_view line() {
     const std::size_t end = std::min(content_.find('\n', at_), content_.size());
@@ -169,8 +201,10 @@ class LegacyReader {
     if (word == "POINTS") {
       const std::size_t count = next_count();
       points_ = numbers(next(), 3 * count);
-    } else if (word == "CELLS" || is_poly_cells(word)) {
+    } else if (word == "CELLS") {
       read_cells();
+    } else if (is_poly_cells(word)) {
+      read_poly_cells(word);
     } else if (word == "CELL_TYPES") {
       types_ = numbers("int", next_count());
     } else if (word == "CELL_DATA") {
@@ -192,14 +226,54 @@ class LegacyReader {
       read_attribute(6);
     } else if (word == "METADATA") {
       skip_metadata();
-    } else {
+    } else if (!skip_section(word)) {
       fail(fmt::format("holds the unknown section '{}'", word.substr(0, 20)));
     }
+  }
+
+  /// Attributes that nothing is made of. @return False if it is none of them.
+  bool skip_section(const std::string& word) {
+    if (word == "GLOBAL_IDS" || word == "PEDIGREE_IDS" || word == "EDGE_FLAGS") {
+      next();
+      numbers(next(), tuples_);
+    } else if (word == "TEXTURE_COORDINATES") {
+      next();
+      const std::size_t components = next_count();
+      skip_tuples(next(), tuples_, components);
+    } else if (word == "COLOR_SCALARS") {
+      next();
+      skip_tuples(binary_ ? "unsigned_char" : "float", tuples_, next_count());
+    } else if (word == "LOOKUP_TABLE") {
+      next();
+      skip_tuples(binary_ ? "unsigned_char" : "float", next_count(), 4);
+    } else {
+      return false;
+    }
+    return true;
+  }
+  void skip_tuples(const std::string& type, std::size_t tuples, std::size_t components) {
+    if (components > 0 && tuples > content_.size() / components) fail("is cut off");
+    numbers(type, tuples * components);
   }
 
   [[nodiscard]] bool is_poly_cells(const std::string& word) const {
     return dataset_ == "POLYDATA" &&
            (word == "LINES" || word == "VERTICES" || word == "POLYGONS" || word == "TRIANGLE_STRIPS");
+  }
+
+  void read_poly_cells(const std::string& word) {
+    offsets_.clear();
+    connectivity_.clear();
+    read_cells();
+    const std::size_t cells = std::max<std::size_t>(offsets_.size(), 1) - 1;
+    if (word == "LINES" || word == "VERTICES") {
+      polygons_.cells_before += cells;
+      return;
+    }
+    const bool is_strips = word == "TRIANGLE_STRIPS";
+    (is_strips ? polygons_.strip_corners : polygons_.corners) = integers(connectivity_);
+    std::vector<std::int64_t>& ends = is_strips ? polygons_.strip_ends : polygons_.ends;
+    for (std::size_t c = 0; c < cells; ++c) ends.push_back(static_cast<std::int64_t>(offsets_[c + 1]));
   }
 
   void read_cells() {
@@ -354,6 +428,7 @@ class LegacyReader {
   std::vector<double> points_, connectivity_, types_, metric_;
   std::optional<std::size_t> metric_components_;  ///< None if there is no metric.
   std::vector<std::size_t> offsets_;
+  Polygons polygons_;
   std::map<std::string, std::vector<double>> arrays_;
   struct PointArray {
     std::string name;
@@ -368,7 +443,12 @@ class LegacyReader {
 }  // namespace
 
 MixedMesh read_legacy_vtk(const std::filesystem::path& path) {
-  return LegacyReader(path).run();
+  return read_legacy_vtk_by(path, "", Context());
+}
+
+MixedMesh read_legacy_vtk_by(const std::filesystem::path& path, const std::string& patch_array,
+                             const Context& context) {
+  return LegacyReader(path).run(patch_array, context);
 }
 
 MixedMesh read_legacy_vtk_points(const std::filesystem::path& path) {

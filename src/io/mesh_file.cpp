@@ -94,7 +94,8 @@ MixedMesh read_surface_file(const Path& path, const std::string& patch_array, co
   const bool has_arrays = format.serves(FileUse::kPatchArray);
   if (!patch_array.empty() && !has_arrays)
     io::fail(path, "has no arrays of cells; `patch_array` is for " + formats_for(FileUse::kPatchArray));
-  MixedMesh mesh = has_arrays ? io::read_vtp_surface_by(path, patch_array, context) : format.code.read(path);
+  MixedMesh mesh =
+      has_arrays ? format.code.read_by_array(path, patch_array, context) : format.code.read(path);
   for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
   for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));
   if (format.parts.empty()) return mesh;

@@ -51,7 +51,12 @@ void check_simvascular_folder(const std::filesystem::path& path);
                                             const Context& context);
 [[nodiscard]] MixedMesh read_obj(const std::filesystem::path& path);
 [[nodiscard]] MixedMesh read_off(const std::filesystem::path& path);
+/// Unstructured grids, and PolyData with patches as of read_vtp_surface().
 [[nodiscard]] MixedMesh read_legacy_vtk(const std::filesystem::path& path);
+[[nodiscard]] MixedMesh read_legacy_vtk_by(const std::filesystem::path& path, const std::string& patch_array,
+                                           const Context& context);
+/// Stanford's polygons, text or binary; their points and faces alone.
+[[nodiscard]] MixedMesh read_ply(const std::filesystem::path& path);
 /// Points and info alone.
 [[nodiscard]] MixedMesh read_vtk_xml_points(const std::filesystem::path& path, std::string_view dataset_type);
 [[nodiscard]] MixedMesh read_legacy_vtk_points(const std::filesystem::path& path);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "cell_blocks.hpp"
@@ -9,6 +10,7 @@
 #include "mesh_info_json.hpp"
 #include "metric_tensors.hpp"
 #include "point_arrays.hpp"
+#include "polygons.hpp"
 #include "vtk_xml_reader.hpp"
 
 namespace lumesh::io {
@@ -61,13 +63,6 @@ void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
   }
 }
 
-constexpr std::int64_t kPatchEnd = 65'535;  // As many patches as meshes that change can have.
-
-std::int32_t checked_patch(const VtkXmlReader& file, std::int64_t patch) {
-  if (patch < 0 || patch >= kPatchEnd) file.fail(kFaceWithoutPatch);
-  return static_cast<std::int32_t>(patch);
-}
-
 template <std::size_t N>
 void read_faces(const VtkXmlReader& file, std::size_t block, std::size_t points, std::vector<Cell<N>>& faces,
                 std::vector<std::int32_t>& patches) {
@@ -78,16 +73,6 @@ void read_faces(const VtkXmlReader& file, std::size_t block, std::size_t points,
   const auto corners = file.integers(array, name);
   const auto tags = file.integers(VtkXmlReader::find_array(fields, patch_name), patch_name);
   take_vtk_faces(file.path(), corners, tags, kPatchEnd, points, faces, patches);
-}
-
-/// A face must not name a patch that the file does not describe.
-void complete_patches(const VtkXmlReader& file, MixedMesh& mesh, const std::string& unnamed = "patch_") {
-  std::int32_t last = -1;
-  for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches}) {
-    for (const std::int32_t p : *patches) last = std::max(last, checked_patch(file, p));
-  }
-  while (static_cast<std::int32_t>(mesh.info.patches.size()) <= last)
-    mesh.info.patches.push_back({unnamed + std::to_string(mesh.info.patches.size()), PatchKind::kWall, {}});
 }
 
 void read_info(const VtkXmlReader& file, MixedMesh& mesh) {
@@ -149,67 +134,23 @@ MixedMesh read_vtu(const std::filesystem::path& path) {
   read_info(file, mesh);
   read_faces(file, 0, mesh.points.size(), mesh.triangles, mesh.triangle_patches);
   read_faces(file, 1, mesh.points.size(), mesh.quadrilaterals, mesh.quadrilateral_patches);
-  complete_patches(file, mesh);
+  complete_patches(path, mesh);
   return mesh;
 }
 
 namespace {
 
-/// Number of the patch of each polygon, and what patches without a name are called.
-struct PatchNumbers {
-  std::vector<std::int64_t> of_polygon;
-  std::string unnamed = "patch_";
-};
-
-constexpr const char* kNoPatchNumbers =
-    "holds numbers that are negative or above 65000, which patches cannot have";
-
-bool are_numbers_of_patches(const std::vector<std::int64_t>& numbers) {
-  constexpr std::int64_t kLargest = 65'000;
-  return std::ranges::all_of(numbers, [](std::int64_t id) { return id >= 0 && id <= kLargest; });
-}
-
-/// One number for all tells no patches apart.
-bool is_one_number(const std::vector<std::int64_t>& numbers) {
-  return std::ranges::all_of(numbers, [&](std::int64_t id) { return id == numbers.front(); });
-}
-
-/// Ours, SimVascular's, or VMTK's, the first that tells patches apart; warns of those of the others that do
-/// and cannot be taken. @param has_names  Of patches, of ours.
-PatchNumbers known_patches(const VtkXmlReader& file, std::size_t polygons, bool has_names,
-                           const Context& context) {
+CellArrays cell_arrays(const VtkXmlReader& file) {
   const pugi::xml_node cells = file.piece().child("CellData");
-  for (const auto& [array, unnamed] :
-       {std::pair{"patch", "patch_"}, {"ModelFaceID", "face_"}, {"CellEntityIds", "face_"}}) {
-    const pugi::xml_node found = VtkXmlReader::find_array(cells, array);
-    if (!found) continue;
-    PatchNumbers numbers{file.integers(found, array), unnamed};
-    const bool is_ours = array == std::string_view("patch");
-    if (is_ours && has_names) return numbers;
-    if (is_one_number(numbers.of_polygon)) continue;
-    if (is_ours || are_numbers_of_patches(numbers.of_polygon)) return numbers;
-    context.warn(
-        fmt::format("{}: its array {} is not taken for patches, for it {}; number its faces from 0, or name "
-                    "another array by `patch_array`",
-                    file.path().string(), array, kNoPatchNumbers));
-  }
-  return {std::vector<std::int64_t>(polygons, 0)};
-}
-
-PatchNumbers patches_by(const VtkXmlReader& file, const std::string& name) {
-  const pugi::xml_node cells = file.piece().child("CellData");
-  const pugi::xml_node found = VtkXmlReader::find_array(cells, name.c_str());
-  if (!found) {
-    std::string known;
-    for (const pugi::xml_node& array : cells.children("DataArray"))
-      known += std::string(known.empty() ? " " : ", ") + array.attribute("Name").value();
-    file.fail("has no array \"" + name + "\" of cells; " +
-              (known.empty() ? "it has none" : "it has" + known));
-  }
-  PatchNumbers numbers{file.integers(found, name.c_str()), name == "patch" ? "patch_" : "face_"};
-  if (!are_numbers_of_patches(numbers.of_polygon)) file.fail("array \"" + name + "\" " + kNoPatchNumbers);
-  if (is_one_number(numbers.of_polygon)) std::ranges::fill(numbers.of_polygon, 0);
-  return numbers;
+  CellArrays arrays;
+  for (const pugi::xml_node& array : cells.children("DataArray"))
+    arrays.names.emplace_back(array.attribute("Name").value());
+  arrays.find = [&file, cells](const std::string& name) -> std::optional<std::vector<std::int64_t>> {
+    const pugi::xml_node found = VtkXmlReader::find_array(cells, name.c_str());
+    if (!found) return std::nullopt;
+    return file.integers(found, name.c_str());
+  };
+  return arrays;
 }
 
 /// @param patch_array  Empty: the first of those that are known.
@@ -219,28 +160,18 @@ MixedMesh read_polygons(const std::filesystem::path& path, const std::string& pa
   MixedMesh mesh;
   mesh.points = read_points(file);
   read_info(file, mesh);
-  if (!patch_array.empty() && patch_array != "patch") mesh.info.patches.clear();
-  const pugi::xml_node polys = file.piece().child("Polys");
-  const auto connectivity =
-      file.integers(VtkXmlReader::find_array(polys, "connectivity"), "polygon connectivity");
-  const auto offsets = file.integers(VtkXmlReader::find_array(polys, "offsets"), "polygon offsets");
-  const auto [patches, unnamed] =
-      patch_array.empty() ? known_patches(file, offsets.size(), !mesh.info.patches.empty(), context)
-                          : patches_by(file, patch_array);
-  if (patches.size() < offsets.size()) file.fail("does not hold as many patches as polygons");
-  std::int64_t begin = 0;
-  for (std::size_t p = 0; p < offsets.size(); ++p) {
-    const std::int64_t end = offsets[p];
-    if (end < begin || end > static_cast<std::int64_t>(connectivity.size()))
-      file.fail("its polygon offsets are damaged");
-    const auto corners = static_cast<std::size_t>(end - begin);
-    if (corners != 3 && corners != 4)
-      file.fail("holds polygons that are neither triangles nor quadrilaterals");
-    add_vtk_cell<std::int64_t>(file.path(), corners == 3 ? 5 : 9, {connectivity.data() + begin, corners},
-                               checked_patch(file, patches[p]), mesh);
-    begin = end;
-  }
-  complete_patches(file, mesh, unnamed);
+  Polygons polygons;
+  const auto cells_of = [&](const char* kind, std::vector<std::int64_t>& corners,
+                            std::vector<std::int64_t>& ends) {
+    const pugi::xml_node cells = file.piece().child(kind);
+    corners = file.integers(VtkXmlReader::find_array(cells, "connectivity"), "polygon connectivity");
+    ends = file.integers(VtkXmlReader::find_array(cells, "offsets"), "polygon offsets");
+  };
+  cells_of("Polys", polygons.corners, polygons.ends);
+  const auto count = [&](const char* attribute) { return file.piece().attribute(attribute).as_uint(0); };
+  if (count("NumberOfStrips") > 0) cells_of("Strips", polygons.strip_corners, polygons.strip_ends);
+  polygons.cells_before = std::size_t{count("NumberOfVerts")} + count("NumberOfLines");
+  add_polygons(path, polygons, cell_arrays(file), patch_array, context, mesh);
   return mesh;
 }
 

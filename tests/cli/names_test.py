@@ -97,6 +97,7 @@ READ = {
     "`.vtp`, `ModelFaceID`": ("model.vtp", (), ""),
     "`.vtp`, `CellEntityIds`": ("entities.vtp", (), ""),
     "`.vtp`, `--patch-array`": ("array.vtp", ("--patch-array", "part"), 'patch_array = "part"\n'),
+    "`.vtk` of PolyData": ("model.vtk", (), ""),
     "`.stl` of solids": ("tube.stl", (), ""),
     "`.stl.gz` of solids": ("tube.stl.gz", (), ""),
     "`.obj`": ("tube.obj", (), ""),
@@ -126,6 +127,7 @@ class NamesTest(ProgramTest):
         patch_files.write_vtp(folder / "named.vtp", *surface, "patch", range(len(PARTS)), has_names=True)
         for name, array in (("model", "ModelFaceID"), ("entities", "CellEntityIds"), ("array", "part")):
             patch_files.write_vtp(folder / f"{name}.vtp", *surface, array, FACE_IDS)
+        patch_files.write_polydata(folder / "model.vtk", *surface, "ModelFaceID", FACE_IDS)
         self.run_well("delaunay", folder / "tube.stl", "-o", folder / "volume.vtu", "--edge-length", 1, "-q")
         self.run_well("layers", folder / "volume.vtu", *LAYERS, "-o", folder / "layered.vtu", "-q")
         for row in VOLUMES:

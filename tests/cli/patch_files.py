@@ -277,6 +277,17 @@ def write_stl(path, points, parts):
             file.write(f"endsolid {name}\n")
 
 
+def write_polydata(path, points, parts, array, numbers):
+    """Triangles of the parts in legacy VTK, with a whole number on each."""
+    triangles = [triangle for part in parts.values() for triangle in part]
+    values = [number for number, part in zip(numbers, parts.values()) for _ in part]
+    lines = ["# vtk DataFile Version 3.0", "tube", "ASCII", "DATASET POLYDATA", f"POINTS {len(points)} double"]
+    lines += ["%.17g %.17g %.17g" % p for p in points]
+    lines += [f"POLYGONS {len(triangles)} {4 * len(triangles)}"] + ["3 %d %d %d" % t for t in triangles]
+    lines += [f"CELL_DATA {len(values)}", f"SCALARS {array} int 1", "LOOKUP_TABLE default", *map(str, values)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
 def write_obj(path, points, parts):
     with open(path, "w", encoding="ascii") as file:
         file.writelines("v %.17g %.17g %.17g\n" % p for p in points)

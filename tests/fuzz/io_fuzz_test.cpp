@@ -324,6 +324,37 @@ format="ascii">10</DataArray></Cells><CellData><DataArray type="Int32" Name="lab
        [](const auto& file) { return read_mesh(file); });
 }
 
+TEST_F(IoFuzz, Ply) {
+  fuzz("m.ply",
+       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+       "element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+       "3 0 2 1\n4 0 1 2 3\n",
+       [](const auto& file) { return read_mesh(file); });
+}
+TEST_F(IoFuzz, BinaryPly) {
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+      "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const auto put = [&](auto value) {
+    char raw[sizeof(value)];
+    std::memcpy(raw, &value, sizeof(value));
+    bytes.append(std::begin(raw), std::end(raw));
+  };
+  for (const float x : {0.0F, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.0F}) put(x);
+  put(std::uint8_t{3});
+  for (const std::int32_t corner : {0, 1, 2}) put(corner);
+  fuzz("m.ply", bytes, [](const auto& file) { return read_mesh(file); });
+}
+TEST_F(IoFuzz, PolyDataInLegacyVtk) {
+  fuzz("m.vtk",
+       "# vtk DataFile Version 5.1\ntetrahedron\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n"
+       "0 0 0 1 0 0 0 1 0 0 0 1\nLINES 2 2\nOFFSETS vtktypeint64\n0 2\nCONNECTIVITY vtktypeint64\n0 1\n"
+       "POLYGONS 3 6\nOFFSETS vtktypeint64\n0 3 6\nCONNECTIVITY vtktypeint64\n0 2 1 0 1 3\n"
+       "TRIANGLE_STRIPS 2 4\nOFFSETS vtktypeint64\n0 4\nCONNECTIVITY vtktypeint64\n0 1 2 3\n"
+       "CELL_DATA 4\nFIELD FieldData 1\nModelFaceID 1 4 int\n5 6 7 7\nMETADATA\nINFORMATION 0\n\n",
+       [](const auto& file) { return read_mesh(file); });
+}
+
 TEST_F(IoFuzz, StlInPlainText) {
   fuzz("m.stl",
        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "

@@ -219,7 +219,8 @@ TEST_F(ForeignVtk, LegacyFileThatIsDamaged) {
   expect_refused(start + "CELLS 1 5\n4 0 1 2 inf\nCELL_TYPES 1\n10\n", "");
   expect_refused(start + "CELLS 1 5\ninf 0 1 2 3\nCELL_TYPES 1\n10\n", "whole number");
   expect_refused(start + "CELLS 1 5\n9 0 1 2 3\nCELL_TYPES 1\n10\n", "damaged");
-  expect_refused("# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n", "unstructured grid");
+  expect_refused("# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n", "no polygon");
+  expect_refused("# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_GRID\n", "nor PolyData");
 }
 
 /// Base64 of a text, by the table of RFC 4648.

@@ -1,0 +1,45 @@
+#pragma once
+/// @file Polygons of VTK's PolyData and the patches that arrays of cells tell.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lumesh/core/context.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
+
+namespace lumesh::io {
+
+/// Arrays of whole numbers on the cells of a file.
+struct CellArrays {
+  std::function<std::optional<std::vector<std::int64_t>>(const std::string& name)> find;
+  std::vector<std::string> names;
+};
+
+/// Cells of PolyData: corners one polygon after the other, and where each polygon ends.
+struct Polygons {
+  std::vector<std::int64_t> corners, ends;
+  std::vector<std::int64_t> strip_corners,
+      strip_ends;                ///< Strips of triangles, which come after the polygons.
+  std::size_t cells_before = 0;  ///< Vertices and lines, which cell arrays have first.
+};
+
+/// Adds triangles and quadrilaterals to a mesh that has its points, with the patches of an array.
+/// @param patch_array  Its name; empty: ours, SimVascular's, or VMTK's, the first that tells patches apart,
+/// with warnings of those that do and whose numbers patches cannot have.
+/// @throws Error{kBadInput} if there is no such array, or the cells are damaged.
+void add_polygons(const std::filesystem::path& path, const Polygons& polygons, const CellArrays& arrays,
+                  const std::string& patch_array, const Context& context, MixedMesh& mesh);
+
+/// Number of patches that meshes which change can have.
+inline constexpr std::int64_t kPatchEnd = 65'535;
+
+/// Checks that faces have patches, and adds those that the file does not describe.
+void complete_patches(const std::filesystem::path& path, MixedMesh& mesh,
+                      const std::string& unnamed = "patch_");
+
+}  // namespace lumesh::io
