@@ -7,6 +7,7 @@
 
 #include "cell_blocks.hpp"
 #include "file_fault.hpp"
+#include "lumesh/mesh/cell_sides.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "output_file.hpp"
@@ -100,18 +101,24 @@ class GmshWriter {
                 tag);
   }
 
-  /// Patches around a label, negative where their faces point into it.
-  [[nodiscard]] std::vector<std::int64_t> surfaces_of(Label label) const {
-    std::vector<std::int64_t> tags;
-    for (std::size_t p = 0; p < mesh_.info->patches.size(); ++p) {
-      const auto& sides = mesh_.info->patches[p].labels;
-      const auto tag = static_cast<std::int64_t>(p) + 1;
-      if (sides[0] == label)
-        tags.push_back(tag);
-      else if (sides[1] == label)
-        tags.push_back(-tag);
+  /// Patches around each label, negative where their faces point into it. One patch may have faces of several
+  /// labels, as an opening of a lumen and its layers.
+  [[nodiscard]] std::map<Label, std::set<std::int64_t>> surfaces_by_label() const {
+    std::map<Label, std::set<std::int64_t>> result;
+    if (volumes_.size() == 1) {
+      for (const auto& [patch, box] : surfaces_) result[volumes_.begin()->first].insert(patch + 1);
+      return result;
     }
-    return tags;
+    const CellSides sides(mesh_);
+    const auto add = [&](const FaceCorners& face, std::int32_t patch) {
+      for (const CellSide& side : sides.find(face))
+        result[sides.label(side)].insert(are_opposite(face, sides.outward(side)) ? -(patch + 1) : patch + 1);
+    };
+    for (std::size_t f = 0; f < mesh_.triangles.size(); ++f)
+      add(face_of(mesh_.triangles[f]), mesh_.triangle_patches[f]);
+    for (std::size_t f = 0; f < mesh_.quadrilaterals.size(); ++f)
+      add(face_of(mesh_.quadrilaterals[f]), mesh_.quadrilateral_patches[f]);
+    return result;
   }
 
   void write_entities() {
@@ -120,9 +127,10 @@ class GmshWriter {
       print_box(patch + 1, box);
       file_.print("0\n");
     }
+    std::map<Label, std::set<std::int64_t>> surfaces = surfaces_by_label();
     for (const auto& [label, box] : volumes_) {
       print_box(label, box);
-      const auto tags = surfaces_of(label);
+      const std::set<std::int64_t>& tags = surfaces[label];
       file_.print("{}", tags.size());
       for (const std::int64_t tag : tags) file_.print(" {}", tag);
       file_.print("\n");

@@ -111,14 +111,22 @@ class LayerBuilder {
       const Cell<3>& c = faces_.triangles[f];
       const auto patch = static_cast<std::size_t>(faces_.patches[f]);
       const bool unlayered = std::ranges::none_of(c, [&](std::uint32_t v) { return at_layers[v] != 0; });
-      if (selection_.layered[patch] == 0)
+      if (selection_.layered[patch] == 0) {
         add_face(c, faces_.patches[f]);
-      else if (unlayered)
+        continue;
+      }
+      if (is_inward_ && !unlayered) stand_on_layers(patch, mesh_.label(faces_.tets[f][0]));
+      if (unlayered)
         add_face(c, patch_of_unlayered(patch));
       else if (const Label inside = mesh_.label(faces_.tets[f][0]);
                inside != label_)  // Else there is no face.
         add_face(c, patch_under_layers(patch, inside));
     }
+  }
+  /// Inwards the wall keeps its place, and what is behind it now are the layers.
+  void stand_on_layers(std::size_t patch, Label inside) {
+    for (Label& label : out_.info.patches[patch].labels)
+      if (label == inside) label = label_;
   }
   std::int32_t patch_of_unlayered(std::size_t patch) {
     const Patch whole = mesh_.info().patches[patch];

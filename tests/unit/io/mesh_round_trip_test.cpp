@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <iterator>
+#include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "io_fixtures.hpp"
 #include "lumesh/io/image_file.hpp"
@@ -340,6 +343,26 @@ TEST(MeshFormats, EveryFormatHasTheCodeOfItsUses) {
     write_image(file, LabelImage(ImageFrame{.size = Index3(2, 2, 2)}, std::vector<Label>(8, 1)));
     EXPECT_TRUE(std::filesystem::exists(file)) << format;
   }
+}
+
+/// A patch may have faces of several labels: those of the tetrahedron of label 7 are in the patches "wall"
+/// and "interface_2_7", whose faces look out of label 2.
+TEST(MeshFormats, GmshEntitiesSayWhichPatchesAreAroundALabel) {
+  const TemporaryFolder folder;
+  write_mesh(folder / "a.msh", every_cell_shape().view());
+  std::istringstream lines(fixtures::read_file(folder / "a.msh"));
+  std::map<std::string, std::string> around;
+  std::string line;
+  while (std::getline(lines, line) && line != "$Entities") {
+  }
+  while (std::getline(lines, line) && line != "$EndEntities") {
+    std::istringstream words(line);
+    const std::vector<std::string> all((std::istream_iterator<std::string>(words)), {});
+    for (std::size_t i = 10; i < all.size(); ++i) around[all[0]] += all[i] + " ";
+  }
+  EXPECT_EQ(around["7"], "-5 -1 ");
+  EXPECT_EQ(around["1"], "1 4 ");
+  EXPECT_EQ(around["2"], "-4 2 5 ");
 }
 
 TEST(MeshFormats, EachNameServesWhatItsFormatHolds) {

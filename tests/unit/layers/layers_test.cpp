@@ -221,6 +221,9 @@ TEST(Layers, InwardsTheWallKeepsItsTrianglesToTheLastBit) {
   const LayerResult result =
       grown(mesh, {.side = LayerSide::kInward, .first_height = 0.4, .growth = 1.2, .count = 4});
   EXPECT_TRUE(triangles_of(result.mesh.view(), "wall") == before);
+  const auto wall = std::ranges::find(result.mesh.info.patches, "wall", &Patch::name);
+  ASSERT_NE(wall, result.mesh.info.patches.end());
+  EXPECT_EQ(wall->labels, (std::array<Label, 2>{2, kBackground})) << "behind it are the layers now";
 }
 
 TEST(Layers, OnAFlatPatchGrowWithinItsRim) {
