@@ -8,15 +8,18 @@
 namespace lumesh::delaunay {
 namespace {
 
-constexpr double kMaxGridPoints = 2e6;
+// Sizes ask surfaces, which know distances everywhere, for the last of a cell: their grid may be coarser.
+constexpr double kMaxGridPoints = 2e6, kMaxGridPointsOfSurface = 2.5e5;
 constexpr float kUnknown = std::numeric_limits<float>::infinity();
 
 ValueGrid empty_grid(const Domain& domain) {
   const Box3 box = domain.bounds_mm();
   // At least two cells around, for sweeps and interpolation.
   const auto volume_with = [&](double spacing) { return (box.sizes().array() + 4 * spacing).prod(); };
+  const double max_points =
+      std::isinf(domain.clearance_limit_mm()) ? kMaxGridPointsOfSurface : kMaxGridPoints;
   double spacing = domain.resolution_mm();
-  while (volume_with(spacing) > kMaxGridPoints * spacing * spacing * spacing) spacing *= 1.05;
+  while (volume_with(spacing) > max_points * spacing * spacing * spacing) spacing *= 1.05;
   const Index3 size = (box.sizes() / spacing).array().ceil().cast<int>() + 5;
   return {box.min() - Vec3::Constant(2 * spacing), spacing, size};
 }
@@ -25,8 +28,11 @@ ValueGrid empty_grid(const Domain& domain) {
 /// would be too small across voxels that are longer than wide.
 double distance_near_boundary(const Domain& domain, const Vec3& x, const Domain::Surroundings& around) {
   constexpr double kMinSlope = 0.25;  // Fields flatten where boundaries lie close together.
+  constexpr double kCautious = 2.5;   // No nearest boundary of a surface is farther, in clearances.
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Material other : domain.materials_near(x, domain.clearance_limit_mm())) {
+  const double limit_mm = domain.clearance_limit_mm();
+  for (const Material other :
+       domain.materials_near(x, std::isinf(limit_mm) ? kCautious * around.clearance_mm : limit_mm)) {
     if (other == around.material) continue;
     const FieldSample f = domain.separation(x, around.material, other);
     smallest = std::min(smallest, std::abs(f.value) / std::max(f.gradient.norm(), kMinSlope));
@@ -34,28 +40,49 @@ double distance_near_boundary(const Domain& domain, const Vec3& x, const Domain:
   return std::isfinite(smallest) ? std::max(smallest, around.clearance_mm) : around.clearance_mm;
 }
 
-/// Distances near boundaries, kUnknown elsewhere.
+/// Distances that are measured at points of the grid.
+class Measured {
+ public:
+  Measured(const Domain& domain, const ValueGrid& grid)
+      : domain_(domain),
+        grid_(grid),
+        near_mm_(std::isinf(domain.clearance_limit_mm()) ? kNearCells * grid.spacing_mm()
+                                                         : 0.5 * domain.clearance_limit_mm()) {}
+
+  /// The distance near boundaries, kUnknown elsewhere.
+  [[nodiscard]] float at(const Index3& place) const {
+    const Vec3 x = grid_.point(place);
+    const Domain::Surroundings around = domain_.surroundings(x);
+    if (around.clearance_mm < near_mm_) return static_cast<float>(distance_near_boundary(domain_, x, around));
+    return domain_.clearance_limit_mm() < grid_.spacing_mm() ? beside_other(place, around.material)
+                                                             : kUnknown;
+  }
+
+ private:
+  // Far from a surface its nearest triangle is dear to find: on the axis of a vessel all are equally near.
+  static constexpr double kNearCells = 2.5;
+
+  /// A coarse grid may step over all that the field knows of a boundary.
+  [[nodiscard]] float beside_other(const Index3& place, Material mine) const {
+    for (int a = 0; a < 3; ++a) {
+      const Index3 next = place + Index3::Unit(a);
+      if (next[a] < grid_.size()[a] && domain_.material_at(grid_.point(next)) != mine)
+        return static_cast<float>(0.5 * grid_.spacing_mm());
+    }
+    return kUnknown;
+  }
+
+  const Domain& domain_;
+  const ValueGrid& grid_;
+  double near_mm_;
+};
+
 void fill_near_boundaries(const Domain& domain, ValueGrid& grid) {
   const Index3& size = grid.size();
-  const auto material_at = [&](const Index3& at) { return domain.material_at(grid.point(at)); };
+  const Measured measured(domain, grid);
   parallel::for_each_index(grid_row_count(size), 1, [&](std::size_t row) {
-    Index3 at = grid_row(size, row);
-    for (; at.x() < size.x(); ++at.x()) {
-      const Domain::Surroundings around = domain.surroundings(grid.point(at));
-      float& value = grid.values()[grid.offset(at)];
-      value = kUnknown;
-      if (around.clearance_mm < 0.5 * domain.clearance_limit_mm() ||
-          std::isinf(domain.clearance_limit_mm())) {
-        value = static_cast<float>(distance_near_boundary(domain, grid.point(at), around));
-      } else if (domain.clearance_limit_mm() < grid.spacing_mm()) {
-        // A coarse grid may step over all that the field knows of a boundary.
-        for (int a = 0; a < 3; ++a) {
-          const Index3 next = at + Index3::Unit(a);
-          if (next[a] < size[a] && material_at(next) != around.material)
-            value = static_cast<float>(0.5 * grid.spacing_mm());
-        }
-      }
-    }
+    for (Index3 at = grid_row(size, row); at.x() < size.x(); ++at.x())
+      grid.values()[grid.offset(at)] = measured.at(at);
   });
 }
 

@@ -66,8 +66,8 @@ class ValueGrid {
 };
 
 /// Distances in mm to the nearest boundary between materials, around all that is meshed, on a grid of the
-/// domain's resolution, or of two million points if that is coarser. Parallel inside; bitwise identical for
-/// every thread count.
+/// domain's resolution, or of two million points, a quarter of a million for surfaces, if that is coarser.
+/// Parallel inside; bitwise identical for every thread count.
 [[nodiscard]] ValueGrid boundary_distances(const Domain& domain);
 
 }  // namespace lumesh::delaunay

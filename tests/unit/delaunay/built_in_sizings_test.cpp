@@ -1,14 +1,17 @@
 // The built-in sizes, against formulas.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <random>
 
 #include "fixtures/images.hpp"
 #include "fixtures/meshes.hpp"
+#include "fixtures/surfaces.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/polylines.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -133,6 +136,53 @@ TEST(BuiltInSizing, DistanceToTheBoundaryOfABallIsItsRadiusLessTheDistanceToItsC
   }
   EXPECT_NEAR(sum / count, 0, 0.1) << "clearances are cautious where voxels are longer than wide";
   EXPECT_EQ(sizing->size_at(centre, kAny), 5);
+}
+
+/// A domain that counts what it is asked for boundaries.
+class CountingDomain final : public Domain {
+ public:
+  explicit CountingDomain(const Domain& asked) : asked_(asked) {}
+
+  [[nodiscard]] Surroundings surroundings(const Vec3& x) const override { return asked_.surroundings(x); }
+  [[nodiscard]] double clearance_limit_mm() const override { return asked_.clearance_limit_mm(); }
+  [[nodiscard]] MaterialSet materials_near(const Vec3& x, double reach_mm) const override {
+    return asked_.materials_near(x, reach_mm);
+  }
+  [[nodiscard]] std::optional<Vec3> project(const Vec3& x, const MaterialSet& set,
+                                            double reach_mm) const override {
+    return asked_.project(x, set, reach_mm);
+  }
+  [[nodiscard]] FieldSample separation(const Vec3& x, Material first, Material second) const override {
+    ++separations;
+    return asked_.separation(x, first, second);
+  }
+  [[nodiscard]] bool may_hold_object(const Vec3& low, const Vec3& high) const override {
+    return asked_.may_hold_object(low, high);
+  }
+  [[nodiscard]] Box3 bounds_mm() const override { return asked_.bounds_mm(); }
+  [[nodiscard]] double resolution_mm() const override { return asked_.resolution_mm(); }
+  [[nodiscard]] Label label_of(Material m) const override { return asked_.label_of(m); }
+  [[nodiscard]] Material label_count() const override { return asked_.label_count(); }
+  [[nodiscard]] Material material_count() const override { return asked_.material_count(); }
+
+  mutable std::atomic<int> separations = 0;
+
+ private:
+  const Domain& asked_;
+};
+
+TEST(BuiltInSizing, DistanceToASurfaceIsMeasuredNearItAlone) {
+  constexpr double kRing = 10, kTube = 4;
+  const fixtures::TriangleSoup torus = fixtures::torus_surface(kRing, kTube, 200, 100);
+  const SurfaceDomain surface(torus.view());
+  const CountingDomain domain(surface);
+  const auto sizing = size_from_boundary(domain, {.at_boundary_mm = 0.3, .growth = 0.5});
+  EXPECT_LT(domain.separations, 100000) << "of two million places when each was measured";
+  for (const Vec3& x : random_points(5000, kRing + kTube, 8)) {
+    const double depth = kTube - std::hypot(std::hypot(x.x(), x.y()) - kRing, x.z());
+    if (depth < 0) continue;
+    EXPECT_NEAR(sizing->size_at(x, kAny), 0.3 + 0.5 * depth, 0.05 + 0.05 * depth) << x.transpose();
+  }
 }
 
 TEST(BuiltInSizing, AxesGiveSoManyCellsAcrossTheirVessel) {
