@@ -207,7 +207,8 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   report.pinched_vertices =
       context.phase("topology", [&] { return relabelled(result.mesh, domain, refinement.pinched()); });
   context.phase("exterior removal", [&] { delaunay::remove_exterior(result.mesh, domain); });
-  report.held_back = context.phase("settling", [&] { return settle_in(domain, options, result.mesh); });
+  if (report.complete)
+    report.held_back = context.phase("settling", [&] { return settle_in(domain, options, result.mesh); });
   note_pinched(report);
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput,

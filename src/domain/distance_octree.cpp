@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::surfaces {
@@ -43,6 +44,55 @@ DistanceOctree::DistanceOctree(const SurfaceProjector& projector, std::uint32_t 
       }
     });
     level = std::move(next);
+  }
+  settle_sides();
+}
+
+template <class Use>
+void DistanceOctree::for_each_leaf(const Use& use) const {
+  struct Cube {
+    std::uint32_t cell;
+    Vec3 middle;
+    double half_size;
+  };
+  std::vector<Cube> stack = {{0, middle_, half_size_}};
+  while (!stack.empty()) {
+    const Cube cube = stack.back();
+    stack.pop_back();
+    const std::uint32_t first = cells_[cube.cell].first_child;
+    if (first == 0) use(cube.cell, cube.middle, cube.half_size);
+    for (std::uint32_t child = 0; first != 0 && child < 8; ++child)
+      stack.push_back(
+          {first + child, middle_of_child(cube.middle, cube.half_size, child), 0.5 * cube.half_size});
+  }
+}
+
+void DistanceOctree::settle_sides() {
+  constexpr double kBeyond =
+      1.001;  // Half sizes: in the next cube. Of two cubes the smaller finds the other.
+  const auto beyond = static_cast<std::uint32_t>(cells_.size());
+  DisjointSets joined(cells_.size() + 1);
+  std::vector<double> inside(cells_.size(), 0.0);  // The volume, < 0 outside.
+  std::vector<std::uint32_t> free;
+  for_each_leaf([&](std::uint32_t cell, const Vec3& middle, double half_size) {
+    if (!Found{&cells_[cell], 0, half_size * std::numbers::sqrt3}.is_free()) return;
+    free.push_back(cell);
+    inside[cell] = std::copysign(half_size * half_size * half_size, cells_[cell].distance);
+    for (int a = 0; a < 6; ++a) {
+      const Found next =
+          find(middle + (a % 2 == 0 ? kBeyond : -kBeyond) * half_size * Vec3(Vec3::Unit(a / 2)));
+      if (next.cell == nullptr)
+        joined.merge(cell, beyond);
+      else if (next.is_free())
+        joined.merge(cell, static_cast<std::uint32_t>(next.cell - cells_.data()));
+    }
+  });
+  std::vector<double> sums(cells_.size() + 1, 0.0);
+  for (const std::uint32_t cell : free) sums[joined.find(cell)] += inside[cell];
+  for (const std::uint32_t cell : free) {
+    const bool is_inside = joined.find(cell) != joined.find(beyond) && sums[joined.find(cell)] > 0;
+    float& distance = cells_[cell].distance;
+    distance = is_inside ? std::abs(distance) : -std::abs(distance);
   }
 }
 

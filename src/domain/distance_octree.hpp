@@ -33,6 +33,8 @@ class DistanceOctree {
 
     /// The least distance to the surface; 0 or less if it may be here.
     [[nodiscard]] double min_distance() const { return std::abs(double{cell->distance}) - from_middle; }
+    /// Whether nothing of the surface is in the whole cube.
+    [[nodiscard]] bool is_free() const { return std::abs(double{cell->distance}) >= half_diagonal; }
   };
   [[nodiscard]] Found find(const Vec3& x) const;
   [[nodiscard]] std::size_t cell_count() const { return cells_.size(); }
@@ -42,6 +44,13 @@ class DistanceOctree {
     std::uint32_t cell;
     Vec3 middle;
   };
+  /// Gives cubes that join without the surface between them one side: outside where they reach the border of
+  /// the largest, else that of most of their volume. Where a surface crosses itself, normals at the closest
+  /// point tell the wrong side in cones that have no end.
+  void settle_sides();
+  /// Calls use(cell, middle, half_size) for the cubes that are not divided.
+  template <class Use>
+  void for_each_leaf(const Use& use) const;
   /// @param parent  At another middle; null for the first.
   [[nodiscard]] static DistanceCell measured(const SurfaceProjector& projector, std::uint32_t region_count,
                                              const Place& place, double half_diagonal, const Found* parent);

@@ -62,8 +62,15 @@ struct SurfaceDomain::Parts {
   [[nodiscard]] ClosestPoint closest_point(const Vec3& x, const DistanceOctree::Found& found) const {
     return found.cell != nullptr ? projector.nearest(x, found.cell->triangle) : projector.nearest(x);
   }
-  [[nodiscard]] Material material(const Vec3& x, const ClosestPoint& closest) const {
-    return projector.is_inside(x, closest) ? kInside : material_over(projector.region_over(x, closest));
+  [[nodiscard]] Material material(const Vec3& x, const DistanceOctree::Found& found,
+                                  const ClosestPoint& closest) const {
+    return is_inside(x, found, closest) ? kInside : material_over(projector.region_over(x, closest));
+  }
+  /// Side of the surface. That of the octree goes before the closest point's, whose normal may mislead.
+  [[nodiscard]] bool is_inside(const Vec3& x, const DistanceOctree::Found& found,
+                               const ClosestPoint& closest) const {
+    if (found.cell == nullptr) return false;
+    return found.min_distance() > 0 ? found.cell->distance > 0 : projector.is_inside(x, closest);
   }
   /// Without looking at triangles, if x is far enough from the surface and from other regions.
   [[nodiscard]] std::optional<Material> known_material(const DistanceOctree::Found& found) const {
@@ -101,13 +108,13 @@ Domain::Surroundings SurfaceDomain::surroundings(const Vec3& point_mm) const {
     return {*known, kMin * parts_->projector.nearly_nearest(point_mm, guess, 1 - kMin).distance};
   }
   const ClosestPoint closest = parts_->closest_point(point_mm, found);
-  return {known ? *known : parts_->material(point_mm, closest), closest.distance};
+  return {known ? *known : parts_->material(point_mm, found, closest), closest.distance};
 }
 
 Material SurfaceDomain::material_at(const Vec3& point_mm) const {
   const DistanceOctree::Found found = parts_->octree.find(point_mm);
   if (const auto known = parts_->known_material(found)) return *known;
-  return parts_->material(point_mm, parts_->closest_point(point_mm, found));
+  return parts_->material(point_mm, found, parts_->closest_point(point_mm, found));
 }
 
 double SurfaceDomain::clearance_limit_mm() const {
@@ -119,7 +126,7 @@ MaterialSet SurfaceDomain::materials_near(const Vec3& point_mm, double reach_mm)
   const std::optional<Material> known = parts_->known_material(found);
   if (known && found.cell != nullptr && found.min_distance() > reach_mm) return {*known};
   const ClosestPoint closest = parts_->closest_point(point_mm, found);
-  MaterialSet near{known ? *known : parts_->material(point_mm, closest)};
+  MaterialSet near{known ? *known : parts_->material(point_mm, found, closest)};
   if (closest.distance > reach_mm) return near;
   // The nearest first, in case there are more than the set can hold.
   const std::uint32_t nearest = parts_->regions.of_triangle[closest.triangle];

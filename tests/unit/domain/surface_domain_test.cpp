@@ -75,6 +75,23 @@ std::array<Material, 6> materials_over_faces(const SurfaceDomain& domain, const 
   return result;
 }
 
+TEST(SurfaceDomain, NothingFarFromASurfaceThatCrossesItselfIsOnTheWrongSide) {
+  // One point is moved over the triangles beside its own: the normals of what covers them point inwards.
+  TriangleSoup folded = icosphere(3, 1);
+  const Vec3 top = folded.points[100], aside = (top + 0.4 * top.unitOrthogonal()).normalized();
+  folded.points[100] = 1.03 * aside;
+  const SurfaceDomain domain(folded.view());
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> off(-0.4, 0.4), away(1.3, 30), within(0, 0.7);
+  for (int n = 0; n < 5000; ++n) {
+    const Vec3 way = (aside + Vec3(off(random), off(random), off(random))).normalized();
+    const Vec3 outside = away(random) * way, inside = within(random) * way;
+    ASSERT_NE(domain.material_at(outside), kInside) << outside.transpose();
+    ASSERT_NE(domain.surroundings(outside).material, kInside) << outside.transpose();
+    ASSERT_EQ(domain.material_at(inside), kInside) << inside.transpose();
+  }
+}
+
 TEST(SurfaceDomain, MeasuresTheDistanceToACubeHoweverItIsTurned) {
   std::mt19937 random(1);
   for (int turn = 0; turn < 8; ++turn) {
