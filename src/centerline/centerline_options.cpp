@@ -17,7 +17,9 @@ void CenterlineOptions::describe(OptionList& list) {
       .in("radii");
   list.number("voxel", voxel_mm, above(0), "Meshes: edge of the voxels that axes are searched in")
       .in("mm")
-      .zero(fmt::format("{} of the mean radius, or what makes {} of them", spoken(centerline::kUsualVoxel),
+      .zero(fmt::format("{} of the mean radius, {} of the thinnest opening's if less, or what makes {} of "
+                        "them",
+                        spoken(centerline::kUsualVoxel), spoken(centerline::kVoxelOfThinnest),
                         spoken(centerline::kMaxUsualVoxels)));
 }
 

@@ -14,8 +14,9 @@ namespace lumesh::centerline {
 /// sections at the planes.
 [[nodiscard]] Lumen lumen_of_image(const LabelImage& image, std::span<const CutPlane> cuts, Context& context);
 
-/// Edge of a mesh's voxels where none is given, in mean radii, and how many of them there are at most then.
-inline constexpr double kUsualVoxel = 0.125, kMaxUsualVoxels = 4e6;
+/// Edge of a mesh's voxels where none is given, in mean radii, and at most, in radii of its thinnest opening;
+/// and how many of them there are at most then.
+inline constexpr double kUsualVoxel = 0.125, kVoxelOfThinnest = 0.5, kMaxUsualVoxels = 4e6;
 
 /// The voxels whose centres a mesh's boundary encloses; beyond openings the vessel goes on by one radius.
 [[nodiscard]] Lumen lumen_of_mesh(const MeshView& mesh, const CenterlineOptions& options, Context& context);

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "inputs.hpp"
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "mesh_boundary.hpp"
 
@@ -120,6 +122,14 @@ double sound_volume(const Boundary& boundary, double sum, const Vec3& low, const
   return of_rows > kMuchMore * std::abs(sum) ? of_rows : std::abs(sum);
 }
 
+/// Edge of voxels where none is given: fine enough for the mesh's usual vessel, and for the thinnest that
+/// ends at a cap.
+double usual_voxel(double mean_radius, double volume, const std::vector<Cap>& caps) {
+  double voxel = kUsualVoxel * mean_radius;
+  for (const Cap& cap : caps) voxel = std::min(voxel, kVoxelOfThinnest * cap.radius);
+  return std::max(voxel, std::cbrt(volume / kMaxUsualVoxels));
+}
+
 Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
   double volume = 0, area = 0;
   Vec3 low = boundary.corner(0, 0), high = low;
@@ -140,8 +150,8 @@ Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
   if (!(volume > 1e-9 * extent * extent * extent) || !(area > 0))
     throw Error(ErrorKind::kBadInput, "the boundary of the mesh encloses nothing; is its surface closed?");
   // A tube's volume is half its radius times its area.
-  double voxel = std::max(kUsualVoxel * (2 * volume / area), std::cbrt(volume / kMaxUsualVoxels));
-  if (options.voxel_mm > 0) voxel = options.voxel_mm;
+  const double voxel =
+      options.voxel_mm > 0 ? options.voxel_mm : usual_voxel(2 * volume / area, volume, grid.caps);
   if (volume / (voxel * voxel * voxel) > 1e9 || extent / voxel > 30000)
     throw Error(ErrorKind::kBadInput,
                 fmt::format("voxels of {:g} mm are too small for a mesh of {:g} mm; give larger ones", voxel,
@@ -254,7 +264,9 @@ void place_wall(const Boundary& boundary, const Grid& grid, Lumen& lumen) {
   });
 }
 
-void add_openings(const Grid& grid, Lumen& lumen) {
+/// @return Caps without a voxel of the lumen: smaller than one, or of a piece that is left out.
+std::vector<Cap> add_openings(const Grid& grid, Lumen& lumen) {
+  std::vector<Cap> missed;
   for (const Cap& cap : grid.caps) {
     Opening opening;
     opening.normal = cap.normal;
@@ -272,11 +284,26 @@ void add_openings(const Grid& grid, Lumen& lumen) {
         }
       }
     }
-    if (opening.voxel == kNoVoxel) continue;  // Smaller than a voxel, or of a piece that is left out.
+    if (opening.voxel == kNoVoxel) {
+      missed.push_back(cap);
+      continue;
+    }
     const Vec3 at = lumen.position(opening.voxel);
     opening.point = at - cap.height(grid.frame.origin_mm + at) * cap.normal;
     lumen.openings.push_back(opening);
   }
+  return missed;
+}
+
+void warn_of_missed(const std::vector<Cap>& missed, double voxel_mm, const Context& context) {
+  if (missed.empty()) return;
+  std::string places;
+  for (const Cap& cap : missed)
+    places += fmt::format("{}radius {:.3g} mm at {}", places.empty() ? "" : "; ", cap.radius,
+                          place_text(cap.middle));
+  context.warn(
+      fmt::format("voxels of {:.3g} mm join no line to {} ({}): the vessel there is too thin for them",
+                  voxel_mm, counted(missed.size(), "opening", "openings"), places));
 }
 
 }  // namespace
@@ -290,10 +317,11 @@ Lumen lumen_of_mesh(const MeshView& mesh, const CenterlineOptions& options, Cont
                 fmt::format("no voxel of {:g} mm lies inside the mesh", grid.voxel_mm()));
   Lumen lumen(grid.frame, std::move(voxels.inside), voxels.beyond);
   if (lumen.left_out() > 0)
-    context.warn(fmt::format("what lies outside the largest connected piece, {:.3g} mm3, is left out",
-                             static_cast<double>(lumen.left_out()) * grid.frame.voxel_volume_mm3()));
+    context.warn(
+        fmt::format("{:.3g} mm3 that voxels of {:.3g} mm do not join to the largest piece are left out",
+                    static_cast<double>(lumen.left_out()) * grid.frame.voxel_volume_mm3(), grid.voxel_mm()));
   place_wall(boundary, grid, lumen);
-  add_openings(grid, lumen);
+  warn_of_missed(add_openings(grid, lumen), grid.voxel_mm(), context);
   return lumen;
 }
 

@@ -88,6 +88,38 @@ TEST(MeshLines, TakeHolesAsOpeningsAndSaySo) {
   EXPECT_NE(warning.find("2 holes"), std::string::npos) << warning;
 }
 
+/// The closed tube, its last part so much thinner.
+MixedMesh narrowing_tube(double thin) {
+  MixedMesh mesh = closed_tube();
+  for (Vec3& p : mesh.points) {
+    const double share = std::clamp((p.z() - 0.6 * kLength) / (0.1 * kLength), 0.0, 1.0);
+    const double narrower = 1 - share * (1 - thin / kTube);
+    p = {1 + narrower * (p.x() - 1), 2 + narrower * (p.y() - 2), p.z()};
+  }
+  return mesh;
+}
+
+TEST(MeshLines, ReachOpeningsTenTimesThinnerThanTheTrunk) {
+  constexpr double kThin = 0.2;
+  std::string warning;
+  Context context({}, [&](std::string_view text) { warning = text; });
+  const Polylines lines = extract_centerline(narrowing_tube(kThin).view(), {}, context);
+  EXPECT_EQ(warning, "");
+  ASSERT_EQ(lines.lines.size(), 1U);
+  EXPECT_NEAR(height_range(lines).second, kLength, 1e-6);
+  EXPECT_NEAR(lines.scalars.at("radius").back(), kThin, 0.1 * kThin);
+}
+
+TEST(MeshLines, SayWhichOpeningIsTooThinForTheVoxels) {
+  std::vector<std::string> warnings;
+  Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+  static_cast<void>(extract_centerline(narrowing_tube(0.2).view(), {.voxel_mm = 0.6}, context));
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_NE(warnings.back().find("no line to 1 opening (radius 0.2 mm at (1.0, 2.0, 30.0) mm)"),
+            std::string::npos)
+      << warnings.back();
+}
+
 /// The closed tube along a circle around z, so that its caps face each other.
 MixedMesh bent_tube(double circle, double gap) {
   MixedMesh mesh = closed_tube();
