@@ -240,16 +240,42 @@ class Extruder {
     double left = std::numeric_limits<double>::infinity();  // R.m.s. of the equations; infinite: left open.
   };
   /// Calls a function with the places of walls at most so deep before a section, from its centre, and their
-  /// unit normals and areas.
+  /// unit normals and areas. Faces as long as the section's reach count by parts: their middles alone, as of
+  /// the long triangles that decimation leaves of a straight wall, would be at few depths, or none.
   template <class Function>
   void for_each_wall_before(const SweptSection& s, double depth_mm, const Function& function) const {
     for_each_patch_face(mesh(), [&](std::span<const std::uint32_t> face, std::int32_t p) {
       if (patch(p).kind != PatchKind::kWall) return;
-      const Vec3 off = middle_of(face) - s.centre_mm;
-      if (std::abs(off.dot(s.normal)) > depth_mm || off.norm() > 1.5 * s.reach_mm) return;
       const Vec3 normal = area_normal(face);
-      if (const double area = normal.norm(); area > 0) function(off, Vec3(normal / area), area);
+      const double area = normal.norm();
+      if (!(area > 0)) return;
+      const std::vector<Vec3> middles = middles_of_parts(face, s.reach_mm);
+      for (const Vec3& middle : middles) {
+        const Vec3 off = middle - s.centre_mm;
+        if (std::abs(off.dot(s.normal)) > depth_mm || off.norm() > 1.5 * s.reach_mm) continue;
+        function(off, Vec3(normal / area), area / static_cast<double>(middles.size()));
+      }
     });
+  }
+  /// Middle of the face, or middles of parts a third as long as `long_mm`, alike in each of its triangles.
+  [[nodiscard]] std::vector<Vec3> middles_of_parts(std::span<const std::uint32_t> face,
+                                                   double long_mm) const {
+    constexpr double kParts = 3, kMaxParts = 64;
+    double longest_mm = 0;
+    for (std::size_t i = 0; i < face.size(); ++i)
+      longest_mm = std::max(longest_mm, (point(face[i]) - point(face[(i + 1) % face.size()])).norm());
+    if (longest_mm <= long_mm) return {middle_of(face)};
+    const double parts = std::min(kMaxParts, std::ceil(kParts * longest_mm / long_mm));
+    std::vector<Vec3> middles;
+    for (std::size_t c = 2; c < face.size(); ++c) {
+      const Vec3 a = point(face[0]), u = (point(face[c - 1]) - a) / parts, v = (point(face[c]) - a) / parts;
+      for (int i = 0; i < parts; ++i)
+        for (int j = 0; i + j < parts; ++j) {
+          middles.emplace_back(a + (i + 1.0 / 3) * u + (j + 1.0 / 3) * v);
+          if (i + j + 1 < parts) middles.emplace_back(a + (i + 2.0 / 3) * u + (j + 2.0 / 3) * v);
+        }
+    }
+    return middles;
   }
   /// Direction of a vessel that bends and widens evenly before the section, with the normal N of the section:
   /// all wall normals n at depth d have n (N + t + d b) = c + d e, solved for t, b, c and e by least squares

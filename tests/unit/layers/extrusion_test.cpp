@@ -66,6 +66,39 @@ TEST(ExtrudeOpenings, AddsStraightTubesAndLeavesTheRest) {
   }
 }
 
+/// A surface along z of twelve pairs of triangles, each as long as the tube: four of its diameters.
+MixedMesh tube_of_long_triangles() {
+  constexpr std::uint32_t kAround = 12;
+  MixedMesh mesh;
+  mesh.info.patches = {{"wall", PatchKind::kWall, {1, 0}},
+                       {"inlet_1", PatchKind::kOpening, {1, 0}},
+                       {"outlet_1", PatchKind::kOpening, {1, 0}}};
+  const auto add = [&](const Cell<3>& triangle, std::int32_t patch) {
+    mesh.triangles.push_back(triangle);
+    mesh.triangle_patches.push_back(patch);
+  };
+  for (std::uint32_t i = 0; i < 2 * kAround; ++i) {
+    const double turn = 2 * fixtures::kPi * i / kAround;
+    mesh.points.emplace_back(std::cos(turn), std::sin(turn), i < kAround ? 0 : 8);
+  }
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    const std::uint32_t next = (i + 1) % kAround;
+    add({i, next, next + kAround}, 0);
+    add({i, next + kAround, i + kAround}, 0);
+    if (i > 0 && i + 1 < kAround) {
+      add({0, i + 1, i}, 1);
+      add({kAround, kAround + i, kAround + i + 1}, 2);
+    }
+  }
+  return mesh;
+}
+
+TEST(ExtrudeOpenings, SeesTheDirectionOfAWallOfLongTriangles) {
+  const ExtrudedMesh extruded =
+      extrude_openings(tube_of_long_triangles(), named_lengths_from("3r"), LayerCells::kTetrahedra);
+  EXPECT_TRUE(extruded.notes.empty()) << extruded.notes.front();
+}
+
 /// A tube along z of radius 10 at the plane z = -0.5, narrower or wider and aside before it.
 MixedMesh tapered_tube(double taper, double lean) {
   MixedMesh mesh = fixtures::copy_of(fixtures::tube());
