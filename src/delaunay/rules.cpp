@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "cut_off.hpp"
+#include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "places.hpp"
@@ -14,6 +15,10 @@ namespace lumesh::delaunay {
 namespace {
 
 constexpr float kSurfaceFirst = 1e6F;
+
+double cosine_of_deg(double angle_deg) {
+  return std::cos(angle_deg * std::numbers::pi / 180);
+}
 
 }  // namespace
 
@@ -52,7 +57,8 @@ Rules::Rules(const TetMesh& mesh, const Spacing& spacing, const RuleLimits& limi
       spacing_(spacing),
       domain_(spacing.domain()),
       radius_edge_(limits.radius_edge),
-      cosine_of_facet_angle_(std::cos(limits.facet_angle_deg * std::numbers::pi / 180)) {}
+      cosine_of_facet_angle_(cosine_of_deg(limits.facet_angle_deg)),
+      cosine_of_usual_angle_(cosine_of_deg(DelaunayOptions().facet_angle_deg)) {}
 
 Material Rules::material_at(const Circumsphere& sphere) const {
   return sphere.centre.allFinite() ? domain_.material_at(sphere.centre) : 0;
@@ -125,7 +131,7 @@ std::optional<Candidate> Rules::candidate_for_face(TetId t, int face, const Circ
   const bool is_off = std::ranges::any_of(corners, [&](std::uint32_t v) {
     return v < 4 || mesh_.dimension(VertexId(v)) == VertexDimension::kVolume;
   });
-  const bool is_bad = is_off || cosine_of_smallest_angle(a, b, c) > cosine_of_facet_angle_;
+  const bool is_bad = is_off || has_small_angle({a, b, c}, dual);
   const double spacing = spacing_.surface_spacing_at(a, dual.mine, dual.other);
   if (!is_off)
     if (const auto candidate = candidate_for_crossed_curve(t, dual, {a, b, c}, spacing)) return candidate;
@@ -136,6 +142,16 @@ std::optional<Candidate> Rules::candidate_for_face(TetId t, int face, const Circ
   const double radius = (centre - a).norm();
   if (!is_bad && radius <= spacing) return std::nullopt;
   return at_surface(centre, t, dual, radius, spacing);
+}
+
+/// Test of the angle that is asked for, and in thin parts of the usual one at least: flat faces there run
+/// from one of their sides to the other.
+bool Rules::has_small_angle(const std::array<Vec3, 3>& corners, const DualEdge& dual) const {
+  const double cosine = cosine_of_smallest_angle(corners[0], corners[1], corners[2]);
+  return cosine > cosine_of_facet_angle_ ||
+         (cosine > cosine_of_usual_angle_ && std::ranges::any_of(corners, [&](const Vec3& x) {
+            return spacing_.is_thin_at(x, dual.mine, dual.other);
+          }));
 }
 
 /// A face with corners on different boundaries cuts off what lies between: there is a curve that it should

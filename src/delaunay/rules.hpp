@@ -68,6 +68,7 @@ class Rules {
     double reach;  ///< Largest distance of any place of the edge from the corners.
   };
   [[nodiscard]] std::optional<DualEdge> dual_of(TetId t, int face, const Circumsphere& sphere) const;
+  [[nodiscard]] bool has_small_angle(const std::array<Vec3, 3>& corners, const DualEdge& dual) const;
   [[nodiscard]] std::optional<Candidate> candidate_for_crossed_curve(TetId t, const DualEdge& dual,
                                                                      const std::array<Vec3, 3>& corners,
                                                                      double spacing) const;
@@ -86,7 +87,7 @@ class Rules {
   const TetMesh& mesh_;
   const Spacing& spacing_;
   const Domain& domain_;
-  double radius_edge_, cosine_of_facet_angle_;
+  double radius_edge_, cosine_of_facet_angle_, cosine_of_usual_angle_;
 };
 
 }  // namespace lumesh::delaunay

@@ -28,6 +28,7 @@ double largest_fall(const Domain& domain, const Vec3& x, const Vec3& gradient, d
 }
 
 constexpr double kMinOfResolution = 0.5;  // What shapes make points denser to.
+constexpr double kPerThickness = 0.32;    // Seven or eight edges around a vessel, for its sections.
 
 }  // namespace
 
@@ -119,8 +120,14 @@ double Spacing::measured_spacing(const Place& place) const {
   return std::max(spacing, min_for_shapes());
 }
 
+bool Spacing::is_thin_at(const Vec3& x, Material first, Material second) const {
+  const Vec3 towards_first = domain_->separation(x, first, second).gradient.normalized();
+  const double max_mm = delta_mm_ / kPerThickness;
+  return (domain_->is_meshed(first) && thickness(x, towards_first, first, max_mm, true) < max_mm) ||
+         (domain_->is_meshed(second) && thickness(x, -towards_first, second, max_mm, true) < max_mm);
+}
+
 double Spacing::spacing_of_thin_parts(const Vec3& x, const Vec3& towards_first, const Place& place) const {
-  constexpr double kPerThickness = 0.32;  // Seven or eight edges around a vessel, for its sections.
   constexpr double kPerGap = 0.7;
   double spacing = delta_mm_;
   for (const Material m : place.pair) {

@@ -43,6 +43,9 @@ class Spacing {
   /// Wanted spacing of points at a place of the boundary between two materials: less where what is meshed, or
   /// a gap, is so thin that points of its two sides would stand for each other, or where the surface bends.
   [[nodiscard]] double surface_spacing_at(const Vec3& x, Material first, Material second) const;
+  /// True at a place of the boundary before which what is meshed is so thin that points have to stand closer
+  /// than delta, whether a wall or an opening is behind it.
+  [[nodiscard]] bool is_thin_at(const Vec3& x, Material first, Material second) const;
   /// Wanted spacing of points of a curve where materials meet, beside surfaces that want `spacing`: less at
   /// the rims of small openings, which at least eight edges go around.
   [[nodiscard]] double curve_spacing_at(const Vec3& x, const MaterialSet& set, double spacing) const;

@@ -337,6 +337,22 @@ ErrorKind kind_of_failure(const LabelImage& image, const DelaunayOptions& option
   return {};
 }
 
+/// Part of a vessel along the border of its image: one layer of voxels, two in the middle.
+LabelImage slice_of_vessel() {
+  return voxels_of(frame_of({23, 5, 36}), {0, 1}, [](const Vec3& p) {
+    const double off = std::hypot((p.x() - 11.2) / 9, (p.z() - 17.6) / 17);
+    return off < (p.y() < 0.5 ? 1 : p.y() < 1.5 ? 0.6 : 0) ? 1 : 0;
+  });
+}
+
+TEST(DelaunayMesh, KeepsAsMuchOfThinPartsWhateverTheFacetAngle) {
+  const LabelImage image = slice_of_vessel();
+  const auto volume_at = [&](double angle_deg) {
+    return volumes_of(meshed(image, {.edge_length_mm = 6.2, .facet_angle_deg = angle_deg}).mesh)[1];
+  };
+  EXPECT_GT(volume_at(8), 0.9 * volume_at(30));
+}
+
 TEST(DelaunayMesh, SaysWhatItLacksBeforeItBegins) {
   EXPECT_EQ(kind_of_failure(ball(11), {.delta_mm = 1e-4}), ErrorKind::kMemory);
   EXPECT_EQ(kind_of_failure(ball(5), {.delta_mm = 100}), ErrorKind::kBadInput);
