@@ -303,9 +303,13 @@ auto with_reader(const fs::path& path, const Use& use, const Otherwise& otherwis
     if (read_dicom_file(path)) return otherwise();
     fail(path, "is not an image lumesh can read; it takes " + formats_for(FileUse::kReadImage, " or ") +
                    "; surfaces and meshes are " + formats_for(FileUse::kRead, " or ") +
-                   ", to which meshio and ParaView convert others, such as .ply");
+                   ", to which meshio and ParaView convert others");
   } catch (const itk::ExceptionObject& fault) {
-    fail(path, fmt::format("is damaged or incomplete ({}); save it again", one_line(fault)));
+    const std::string what = one_line(fault);
+    if (what.find("Pixel Type Unknown") != std::string::npos)
+      fail(path,
+           "has voxels of a type that its format does not know; save them as 16-bit integers or floats");
+    fail(path, fmt::format("is damaged or incomplete ({}); save it again", what));
   }
 }
 

@@ -94,6 +94,16 @@ std::string gipl_header() {
   return header;
 }
 
+/// GIPL counts 32-bit integers as types 31 and 32, which ITK does not read.
+TEST_F(ImageNotes, VoxelsOfATypeThatIsNotReadAreNoDamage) {
+  std::string header = gipl_header();
+  header[9] = 32;
+  const std::string fault =
+      fixtures::error_of([&] { (void)read("a.gipl", header + bytes_of(sixty_voxels<std::int32_t>())); });
+  EXPECT_NE(fault.find("16-bit"), std::string::npos) << fault;
+  EXPECT_EQ(fault.find("damaged"), std::string::npos) << fault;
+}
+
 /// The format's checksum tells, where inflating alone succeeds.
 TEST_F(ImageNotes, DamagedCompressedVoxelsAreSeen) {
   const std::string voxels = bytes_of(sixty_voxels());
