@@ -22,8 +22,10 @@ std::optional<Material> outside_of(const Domain& domain, const TetMesh& mesh, co
   for (Material m = 0; m < domain.material_count(); ++m) {
     if (domain.is_meshed(m)) continue;
     double off = 0;
-    for (const std::uint32_t v : corners)
+    for (const std::uint32_t v : corners) {
       off = std::max(off, std::abs(domain.separation_value(mesh.point(VertexId(v)), inside, m)));
+      if (off >= second) break;  // Other corners would not make it one of the two nearest.
+    }
     if (off < smallest) {
       best = m;
       second = std::exchange(smallest, off);
