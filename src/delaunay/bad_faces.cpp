@@ -40,10 +40,9 @@ class NeededVertices {
   [[nodiscard]] bool is_of_rim(VertexId v) const {
     constexpr double kMaxEdge = 1.45;  // Of the spacing: eight around a circle.
     const Domain& domain = spacing_.domain();
-    if (v.value < 4 || mesh_.dimension(v) != VertexDimension::kCurve || domain.cut_planes().empty())
-      return false;
+    if (v.value < 4 || mesh_.dimension(v) != VertexDimension::kCurve) return false;
     const MaterialSet curve = touched_by(v);
-    if (!std::ranges::any_of(curve, [&](Material m) { return domain.is_cut(m); })) return false;
+    if (!std::ranges::any_of(curve, [&](Material m) { return domain.is_beyond_opening(m); })) return false;
     const double wanted = spacing_.curve_spacing_at(mesh_.point(v), curve, spacing_.delta_mm());
     return wanted < spacing_.delta_mm() && gap_without(v, curve) > kMaxEdge * wanted;
   }

@@ -6,6 +6,8 @@
 
 #include "lumesh/core/grid.hpp"
 #include "lumesh/domain/openings.hpp"
+#include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
@@ -38,6 +40,24 @@ double scattered(std::uint64_t x) {
   x = (x ^ x >> 31) * 0xBF58476D1CE4E5B9ull;
   x = (x ^ x >> 29) * 0x94D049BB133111EBull;
   return static_cast<double>(x >> 11) * 0x1p-52 - 1;
+}
+
+/// The edges of an end that have one triangle of it, in the order of precedes().
+std::vector<std::array<Vec3, 2>> edges_around(const FlatEnd& end) {
+  std::vector<std::array<Vec3, 2>> edges;
+  for (const std::array<Vec3, 3>& t : end.triangles_mm)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 &a = t[i], &b = t[(i + 1) % 3];
+      edges.push_back(precedes(a, b) ? std::array{a, b} : std::array{b, a});
+    }
+  std::ranges::sort(edges, [](const auto& e, const auto& f) {
+    return e[0] == f[0] ? precedes(e[1], f[1]) : precedes(e[0], f[0]);
+  });
+  std::vector<std::array<Vec3, 2>> around;
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    if ((i == 0 || edges[i] != edges[i - 1]) && (i + 1 == edges.size() || edges[i] != edges[i + 1]))
+      around.push_back(edges[i]);
+  return around;
 }
 
 class LatticeDescent {
@@ -82,7 +102,8 @@ class LatticeDescent {
       all.outer.insert(all.outer.end(), part[0].outer.begin(), part[0].outer.end());
       all.boundary.insert(all.boundary.end(), part[0].boundary.begin(), part[0].boundary.end());
     }
-    for (const std::vector<BoundaryCandidate>& more : {rim_candidates(), fixed_candidates()})
+    for (const std::vector<BoundaryCandidate>& more :
+         {rim_candidates(), end_rim_candidates(), fixed_candidates()})
       all.boundary.insert(all.boundary.end(), more.begin(), more.end());
     return all;
   }
@@ -104,6 +125,26 @@ class LatticeDescent {
       const double spacing = kSeedSpacing * spacing_.surface_spacing_at(place, materials[0], materials[1]);
       add_curve_candidate(place, {materials[0], materials[1], materials[2]}, spacing, out);
     });
+  }
+
+  /// Candidates on rims of flat ends that are so small that these rims are to be finer than the surface.
+  [[nodiscard]] std::vector<BoundaryCandidate> end_rim_candidates() const {
+    constexpr double kStep = 0.3;  // Of the spacing wanted.
+    const double on_it_mm = 1e-3 * domain_.resolution_mm();
+    std::vector<BoundaryCandidate> found;
+    for (const FlatEnd& end : domain_.flat_ends()) {
+      const double wanted_mm = kSpacingPerEndRadius * circle_radius(end.area_mm2);
+      if (wanted_mm >= spacing_.delta_mm()) continue;
+      for (const auto& [a, b] : edges_around(end)) {
+        const int count = static_cast<int>(std::ceil((b - a).norm() / (kStep * wanted_mm)));
+        for (int i = 0; i < count; ++i) {
+          const Vec3 place = a + (i + 0.5) / count * (b - a);
+          const MaterialSet there = domain_.materials_near(place, on_it_mm);
+          if (there.size() == 3 && is_seam(there)) add_curve_candidate(place, there, wanted_mm, found);
+        }
+      }
+    }
+    return found;
   }
 
   [[nodiscard]] std::vector<BoundaryCandidate> fixed_candidates() const {

@@ -45,10 +45,11 @@ double Spacing::surface_spacing_at(const Vec3& x, Material first, Material secon
 }
 
 double Spacing::curve_spacing_at(const Vec3& x, const MaterialSet& set, double spacing) const {
-  constexpr double kPerWidth = 0.27;
+  constexpr double kPerWidth = kSpacingPerEndRadius / 2;
   const double off_mm = 1e-3 * domain_->resolution_mm();
   double smallest = spacing;
   for (const Material cut : set) {
+    smallest = std::min(smallest, kSpacingPerEndRadius * domain_->end_radius_mm(cut));
     if (!domain_->is_cut(cut) || domain_->cut_planes().empty()) continue;
     const Vec3& normal = domain_->cut_plane(cut).normal;
     for (const Material m : set)
@@ -63,6 +64,7 @@ double Spacing::curve_spacing_at(const Vec3& x, const MaterialSet& set, double s
         smallest = std::min(smallest, kPerWidth * width);
       }
   }
+  if (domain_->cut_planes().empty()) return smallest;  // Rims of surfaces are known as they are.
   // However large delta is: the number of edges around is what an opening's area hangs on.
   return std::max(smallest, std::min({spacing, delta_mm_, kMinOfResolution * domain_->resolution_mm()}));
 }

@@ -18,6 +18,8 @@ inline constexpr double kEdgePerSpacing = 1.3;
 inline constexpr double kMuchLarger = 1.2;
 /// Growth of these sizes per distance from surfaces.
 inline constexpr double kGrowthInwards = 0.6;
+/// Spacing along the rim of a small opening in units of its radius: eight or nine edges go around.
+inline constexpr double kSpacingPerEndRadius = 0.54;
 /// Circumradius of a regular tetrahedron whose edges are sqrt(2) long: where larger, edges are too long.
 inline constexpr double kRadiusPerSize = 0.866;
 

@@ -207,6 +207,10 @@ std::span<const FlatEnd> SurfaceDomain::flat_ends() const {
   return parts_->named.ends;
 }
 
+double SurfaceDomain::end_radius_mm(Material m) const {
+  return is_beyond_opening(m) ? circle_radius(parts_->regions.areas_mm2[region_of(m)]) : kUnbounded;
+}
+
 std::span<const Vec3> SurfaceDomain::fixed_points() const {
   return parts_->fixed_points;
 }

@@ -143,6 +143,10 @@ class Domain {
   [[nodiscard]] bool is_fixed(const Vec3& point_mm) const;
   /// Flat ends of a closed surface, by falling area; none of other domains, which have cut_planes().
   [[nodiscard]] virtual std::span<const FlatEnd> flat_ends() const { return {}; }
+  /// Radius of the circle with the area of the flat end that a material lies beyond; infinite for others.
+  [[nodiscard]] virtual double end_radius_mm(Material /*m*/) const {
+    return std::numeric_limits<double>::infinity();
+  }
   /// Planes that cut the object off, unit normals; none where openings are no planes. Else the materials from
   /// label_count() on are what lies beyond each.
   [[nodiscard]] virtual std::span<const CutPlane> cut_planes() const { return {}; }

@@ -83,6 +83,7 @@ class SurfaceDomain final : public Domain {
   /// Regions in one plane, within 5 % of their radius, that end at one closed curve on bent regions. Where
   /// the file has several patches, those are ends that are one such region, but for those called wall.
   [[nodiscard]] std::span<const FlatEnd> flat_ends() const override;
+  [[nodiscard]] double end_radius_mm(Material m) const override;
   [[nodiscard]] bool is_beyond_opening(Material m) const override;
   [[nodiscard]] std::span<const Vec3> fixed_points() const override;
 

@@ -211,5 +211,35 @@ TEST(AnalyticMesh, OverlappingBallsShareADisc) {
   EXPECT_NEAR(length_between_patches(mesh), circle, 0.05);
 }
 
+// The narrow end of a funnel, in edges of more than its radius.
+TEST(SurfaceMesh, AtLeastEightEdgesGoAroundSmallEnds) {
+  constexpr std::uint32_t kAround = 24, kAlong = 12;
+  for (const double narrow_mm : {0.5, 0.3, 0.2}) {
+    fixtures::TriangleSoup soup;
+    for (std::uint32_t k = 0; k <= kAlong; ++k)
+      for (std::uint32_t i = 0; i < kAround; ++i) {
+        const double r = 2 + (narrow_mm - 2) * k / kAlong, angle = 2 * kPi * i / kAround;
+        soup.points.emplace_back(r * std::cos(angle), r * std::sin(angle), 8.0 * k / kAlong);
+      }
+    soup.points.emplace_back(0, 0, 0), soup.points.emplace_back(0, 0, 8);
+    const std::uint32_t low = kAround * (kAlong + 1), last = kAround * kAlong;
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const std::uint32_t next = (i + 1) % kAround;
+      for (std::uint32_t k = 0; k < last; k += kAround) {
+        soup.triangles.push_back({k + i, k + next, k + kAround + i});
+        soup.triangles.push_back({k + next, k + kAround + next, k + kAround + i});
+      }
+      soup.triangles.push_back({next, i, low});
+      soup.triangles.push_back({last + i, last + next, low + 1});
+    }
+    const SurfaceDomain domain(soup.view());
+    const TetMesh mesh = mesh_of(domain, 0.5);
+    std::size_t around = 0;
+    for (const auto& [a, b] : edges_between_patches(mesh)) around += a.z() > 4 ? 1 : 0;
+    EXPECT_GE(around, 8U) << narrow_mm;
+    EXPECT_LE(around, 14U) << narrow_mm;
+  }
+}
+
 }  // namespace
 }  // namespace lumesh
