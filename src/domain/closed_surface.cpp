@@ -175,13 +175,13 @@ void check_crossings(const ClosedSurface& surface, std::span<const Patch> patche
 
 }  // namespace
 
-ClosedSurface closed_surface(const SurfaceView& view) {
+ClosedSurface closed_surface(const SurfaceView& view, Crossings crossings) {
   check_arrays(view);
   ClosedSurface surface = welded(view);
   find_neighbours(surface);
   turn_outwards(surface);
   check_fans(surface);
-  check_crossings(surface, view.patch_info);
+  if (crossings == Crossings::kAreRefused) check_crossings(surface, view.patch_info);
   surface.normals.resize(surface.triangles.size());
   parallel::for_each_index(surface.triangles.size(), [&](std::size_t t) {
     surface.normals[t] = normal_of(surface, static_cast<std::uint32_t>(t));

@@ -27,8 +27,12 @@ struct ClosedSurface {
   return patch.kind == PatchKind::kOpening && patch.name.empty();
 }
 
+/// Whether parts of a surface that cross are looked for, which takes most of the time.
+enum class Crossings : std::uint8_t { kAreRefused, kAreBorne };
+
 /// @throws Error{kBadInput} as SurfaceDomain. Cost: O(n log n); O(n) more for each shell.
-[[nodiscard]] ClosedSurface closed_surface(const SurfaceView& surface);
+[[nodiscard]] ClosedSurface closed_surface(const SurfaceView& surface,
+                                           Crossings crossings = Crossings::kAreRefused);
 
 /// Six times the signed volume of the tetrahedron of a triangle and the origin.
 [[nodiscard]] inline double six_volumes(const ClosedSurface& surface, std::uint32_t t, const Vec3& origin) {

@@ -137,6 +137,19 @@ FeatureRegions find_regions(const ClosedSurface& surface, double feature_angle_d
   return sorted_by_area(without_empty(std::move(found)));
 }
 
+FeatureRegions with_regions(const ClosedSurface& surface, FeatureRegions regions,
+                            std::span<const std::vector<std::uint32_t>> sets) {
+  for (const std::vector<std::uint32_t>& set : sets) {
+    for (const std::uint32_t t : set) regions.of_triangle[t] = regions.count();
+    regions.patches.push_back(surface.patches[set.front()]);
+  }
+  regions.areas_mm2.assign(regions.count(), 0);
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    regions.areas_mm2[regions.of_triangle[t]] +=
+        triangle_area(surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2));
+  return sorted_by_area(without_empty(std::move(regions)));
+}
+
 RegionBorders::RegionBorders(const ClosedSurface& surface, const FeatureRegions& regions)
     : corners_of_(regions.count()) {
   find_curves(surface, regions);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "closed_surface.hpp"
@@ -23,6 +24,10 @@ struct FeatureRegions {
 /// Kept are edges between patches, and those whose normals differ by more than the angle, but not around
 /// specks of a few triangles.
 [[nodiscard]] FeatureRegions find_regions(const ClosedSurface& surface, double feature_angle_deg);
+
+/// The regions, with each of these sets of triangles, of one patch each, as one region.
+[[nodiscard]] FeatureRegions with_regions(const ClosedSurface& surface, FeatureRegions regions,
+                                          std::span<const std::vector<std::uint32_t>> sets);
 
 /// The edges between every two regions, and the points where more than two meet.
 class RegionBorders {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -12,8 +11,6 @@
 
 namespace lumesh::surfaces {
 namespace {
-
-constexpr double kMaxBent = 0.05;  // Of the radius: how far corners of a flat region are off its plane.
 
 void add_triangles(const ClosedSurface& surface, const FeatureRegions& regions,
                    std::vector<RegionShape>& shapes) {
@@ -53,19 +50,12 @@ std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegion
 /// Where a region ends: each vertex with the next one, anticlockwise.
 struct RegionRim {
   std::map<std::uint32_t, std::uint32_t> next;
-  bool is_on_bent = true;  // All around.
+  double length_mm = 0, on_flat_mm = 0;
 
-  [[nodiscard]] bool is_one_curve() const {
-    if (next.empty()) return false;
-    const std::uint32_t start = next.begin()->first;
-    std::size_t length = 0;
-    std::uint32_t at = start;
-    do {
-      const auto found = next.find(at);
-      if (found == next.end() || ++length > next.size()) return false;
-      at = found->second;
-    } while (at != start);
-    return length == next.size();
+  /// True if little around is flat, as facets of walls of few triangles are.
+  [[nodiscard]] bool is_mostly_on_bent() const {
+    constexpr double kMaxFlat = 0.1;
+    return on_flat_mm <= kMaxFlat * length_mm;
   }
 };
 
@@ -100,7 +90,9 @@ std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegion
     for (std::size_t s = 0; s < 3; ++s) {
       const std::uint32_t other = regions.of_triangle[surface.neighbours[t][s]];
       if (plane_of[other] == plane_of[region]) continue;
-      rim.is_on_bent = rim.is_on_bent && !is_flat[other];
+      const double edge_mm = (surface.corner(t, (s + 1) % 3) - surface.corner(t, s)).norm();
+      rim.length_mm += edge_mm;
+      if (is_flat[other]) rim.on_flat_mm += edge_mm;
       rim.next[surface.triangles[t][s]] = surface.triangles[t][(s + 1) % 3];
     }
   }
@@ -135,6 +127,19 @@ double cosine_of_wall(const ClosedSurface& surface, const FeatureRegions& region
 
 }  // namespace
 
+bool is_one_curve(const std::map<std::uint32_t, std::uint32_t>& next) {
+  if (next.empty()) return false;
+  const std::uint32_t start = next.begin()->first;
+  std::size_t length = 0;
+  std::uint32_t at = start;
+  do {
+    const auto found = next.find(at);
+    if (found == next.end() || ++length > next.size()) return false;
+    at = found->second;
+  } while (at != start);
+  return length == next.size();
+}
+
 std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const FeatureRegions& regions) {
   std::vector<RegionShape> shapes(regions.count());
   add_triangles(surface, regions, shapes);
@@ -143,14 +148,15 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
   const std::vector<RegionRim> rims = rims_of(surface, regions, is_flat, plane_of);
   for (std::size_t r = 0; r < shapes.size(); ++r) {
     const RegionRim& rim = rims[plane_of[r]];
-    shapes[r].is_flat_end = is_flat[r] && rim.is_on_bent && rim.is_one_curve();
+    shapes[r].is_like_end = is_flat[r] && rim.is_mostly_on_bent() && is_one_curve(rim.next);
+    shapes[r].is_flat_end = shapes[r].is_like_end && rim.on_flat_mm == 0;
   }
   std::vector<std::vector<std::uint32_t>> ends(shapes.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-    if (const std::uint32_t r = regions.of_triangle[t]; shapes[r].is_flat_end) ends[r].push_back(t);
+    if (const std::uint32_t r = regions.of_triangle[t]; shapes[r].is_like_end) ends[r].push_back(t);
   parallel::for_each_index(shapes.size(), 1, [&](std::size_t i) {
     const auto r = static_cast<std::uint32_t>(i);
-    if (shapes[r].is_flat_end)
+    if (shapes[r].is_like_end)
       shapes[r].wall_cosine = cosine_of_wall(surface, regions, r, shapes[r], std::move(ends[r]));
   });
   return shapes;

@@ -1,12 +1,17 @@
 #pragma once
 // Regions of a closed surface where a vessel was cut off.
 
+#include <cstdint>
+#include <map>
 #include <vector>
 
 #include "closed_surface.hpp"
 #include "feature_regions.hpp"
 
 namespace lumesh::surfaces {
+
+/// How far corners of a flat region are off its plane, of its radius.
+inline constexpr double kMaxBent = 0.05;
 
 struct RegionShape {
   double area_mm2 = 0;
@@ -16,10 +21,13 @@ struct RegionShape {
   Box3 box_mm;
   bool is_flat_end = false;  // In one plane that ends at one closed curve, beside regions that are bent; on
                              // the outside of the object, not around a cavity. Several regions may share it.
-  double wall_cosine =
-      0;  // Of flat ends: mean cosine between the normal and those of the wall around. 0 where
-          // the wall leaves them square, 0.5 and more on the flat steps that voxels leave.
+  bool is_like_end = false;  // One, or it would be but for facets of the wall, a tenth of its rim at most.
+  double wall_cosine = 0;    // Of these: mean cosine between the normal and those of the wall around. 0 where
+                             // the wall leaves them square, 0.5 and more on the flat steps that voxels leave.
 };
+
+/// Whether edges, each with the vertex from which it goes to the next one, are one closed curve.
+[[nodiscard]] bool is_one_curve(const std::map<std::uint32_t, std::uint32_t>& next);
 
 /// Shapes of all regions.
 [[nodiscard]] std::vector<RegionShape> region_shapes(const ClosedSurface& surface,

@@ -13,6 +13,8 @@
 #include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/patch_list.hpp"
+#include "missed_ends.hpp"
+#include "whole_ends.hpp"
 
 namespace lumesh {
 
@@ -31,25 +33,13 @@ void SurfaceDomainOptions::validate() const {
 }
 
 namespace surfaces {
-namespace {
-
-double mean_edge_mm_of(const ClosedSurface& surface) {
-  double sum = 0;
-  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-    for (std::size_t i = 0; i < 3; ++i) sum += (surface.corner(t, (i + 1) % 3) - surface.corner(t, i)).norm();
-  return sum / static_cast<double>(3 * surface.triangles.size());
-}
-
-}  // namespace
-
 NamedRegions::NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& options)
     : surface(closed_surface(view)),
-      regions(find_regions(surface, options.feature_angle_deg)),
+      regions(with_whole_ends(surface, find_regions(surface, options.feature_angle_deg))),
       box(bounding_box(surface.points)),
-      mean_edge_mm(mean_edge_mm_of(surface)),
+      mean_edge_mm(lumesh::mean_edge_mm(surface.points, surface.triangles)),
       resolution_mm(view.resolution_mm > 0 ? view.resolution_mm
-                                           : std::min(kResolutionPerEdge * mean_edge_mm,
-                                                      box.diagonal().norm() / kResolutionsPerDiagonal)),
+                                           : usual_resolution_mm(surface.points, surface.triangles)),
       patches_(view.patch_info.begin(), view.patch_info.end()) {
   std::set<std::int32_t> used(surface.patches.begin(), surface.patches.end());
   std::erase_if(used, [&](std::int32_t number) { return is_cap_of_file(number); });
@@ -93,7 +83,48 @@ void NamedRegions::name_regions() {
                       triangles_of(r)});
     of_region.push_back(std::move(patch));
   }
-  if (has_named_patches) note_doubts(shapes);
+  if (has_named_patches) {
+    note_doubts(shapes);
+  } else if (!ends.empty()) {
+    note_pieces(shapes);
+    note_missed_ends();
+  }
+}
+
+/// Openings that touch each other and face alike: an end too far from flat to be one.
+void NamedRegions::note_pieces(std::span<const RegionShape> shapes) {
+  constexpr double kMinCosine = 0.866;                       // 30 degrees.
+  std::map<std::uint32_t, std::set<std::uint32_t>> ends_at;  // Of vertices.
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    if (const std::uint32_t r = regions.of_triangle[t];
+        of_region[r].kind == PatchKind::kOpening && !is_cap_of_file(regions.patches[r]))
+      for (const std::uint32_t v : surface.triangles[t]) ends_at[v].insert(r);
+  std::set<std::uint32_t> pieces;
+  const Vec3* place = nullptr;
+  for (const auto& [v, there] : ends_at)
+    for (const std::uint32_t a : there)
+      for (const std::uint32_t b : there) {
+        if (a == b || shapes[a].normal.dot(shapes[b].normal) < kMinCosine) continue;
+        if (place == nullptr) place = &surface.points[v];
+        pieces.insert(a);
+      }
+  if (pieces.empty()) return;
+  std::vector<std::string> names;
+  for (const std::uint32_t r : pieces) names.push_back(of_region[r].name);
+  notes.push_back(fmt::format(
+      "{} touch each other, such as at {}, and face alike: they look like pieces of one end that is not "
+      "flat; cut it off ({}), or open it, so that it is capped",
+      fmt::join(names, ", "), place_text(*place), option_name("clip_ends")));
+}
+
+void NamedRegions::note_missed_ends() {
+  for (const MissedEnd& end : missed_ends(surface, regions))
+    notes.push_back(fmt::format(
+        "the flat piece at {}, of radius {:.3g} mm, is taken as wall, though a vessel may end there, cut off "
+        "obliquely: on one side the surface turns by {:.0f} degrees only; a smaller {} makes it an opening, "
+        "and so does a cut before it ({})",
+        place_text(end.centre_mm), end.radius_mm, end.least_turn_deg, option_name("feature_angle"),
+        option_name("cut_at")));
 }
 
 /// Voxels leave flat steps all over a wall that is oblique to them, square or parallel to each other, which

@@ -30,6 +30,8 @@ struct NamedRegions {
  private:
   void name_regions();
   void leave_out_steps(std::vector<RegionShape>& shapes);
+  void note_pieces(std::span<const RegionShape> shapes);
+  void note_missed_ends();
   void note_doubts(std::span<const RegionShape> shapes);
   [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const;
   [[nodiscard]] bool is_cap_of_file(std::int32_t number) const;

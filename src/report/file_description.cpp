@@ -166,6 +166,7 @@ void add_openings_of_surface(const DescriptionRequest& request, json& all, Conte
       return leave_out(fmt::format("more than {} triangles", kMaxTriangles));
     const PatchedSurface patched(surface_view(surface, given.resolution_mm));
     name_closed(given.closed, patched.flat_ends());
+    warn_of_filled_ends(given.closed, context);
     if (!given.closed.empty()) all["would_close"] = closed_json(given.closed);
     const std::vector<Opening> openings = openings_of(patched.flat_ends(), patched.resolution_mm());
     all["openings"] = describe_openings(openings);

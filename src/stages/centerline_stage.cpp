@@ -92,7 +92,11 @@ CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& con
   bring_to_lps_mm(mesh);
   const bool is_surface = mesh.view().cell_count() == 0;
   if (is_surface)
-    made.closed = context.phase("close", [&] { return close_open_ends(mesh, request.surface, context); });
+    made.closed = context.phase("close", [&] {
+      std::vector<surfaces::ClosedRim> closed = close_open_ends(mesh, request.surface, context);
+      warn_of_filled_ends(closed, context);
+      return closed;
+    });
   else if (mesh.triangles.empty() && mesh.quadrilaterals.empty())
     extract_boundary(mesh);
   naming(request.path, [&] {

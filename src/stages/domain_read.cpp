@@ -7,7 +7,9 @@
 
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/local_volumes.hpp"
+#include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/quality/surface.hpp"
 #include "lumesh/stages/folded_walls.hpp"
@@ -60,6 +62,13 @@ std::vector<std::string> differences_from_surface(const MixedMesh& surface, cons
         "the mesh fills {:.1f} % {} than the surface, {:.4g} of {:.4g} mm3: its elements are large "
         "for the surface; a smaller `edge_length` helps",
         100 * std::abs(change), change < 0 ? "less" : "more", volume_mm3, given.volume_mm3));
+  if (lines.empty()) return lines;
+  const std::vector<SelfCrossing> crossings = find_self_crossings(surface.points, surface.triangles);
+  if (!crossings.empty())
+    lines.push_back(fmt::format(
+        "the surface folds and crosses itself in {} of triangles, such as at {}, which may be why the mesh "
+        "differs from it; repair it first (`lumesh repair`)",
+        counted(crossings.size(), "pair"), place_text(crossings.front().place)));
   return lines;
 }
 
@@ -132,6 +141,7 @@ void DomainRead::look_at_surface() {
   warn_of_unit(*surface, openings(), input_.selection.unit, name, context_);
   for (const std::string& note : domain_of_surface().patch_notes()) context_.warn(name + ": " + note);
   name_closed(surface->closed, domain().flat_ends());
+  warn_of_filled_ends(surface->closed, context_);
 }
 
 std::vector<std::string> DomainRead::doubts_about_openings() {

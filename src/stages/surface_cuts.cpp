@@ -244,7 +244,7 @@ void cut_and_extend(SurfaceInput& surface, const InputCuts& cuts, const SurfaceD
   surface.mesh.metric.clear();
   surface.mesh.sizes_mm.clear();
   const bool is_cut = !cuts.planes.empty() || !cuts.places_mm.empty() || cuts.ends.has_value();
-  PatchedSurface patched(surface_view(surface.mesh), options);
+  PatchedSurface patched(surface_view(surface.mesh, surface.resolution_mm), options);
   surface.resolution_mm = patched.resolution_mm();
   if (is_cut) {
     cut(patched, cuts, options, surface.mesh, context);

@@ -3,19 +3,25 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <set>
 
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/domain/patched_surface.hpp"
+#include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/shells.hpp"
 #include "surface_cuts.hpp"
 
@@ -63,7 +69,10 @@ std::string line_of(const ClosedRim& rim) {
                                         place_text(rim.centre_mm), rim.given.vertices.size());
   if (!rim.is_opening) return fmt::format("filled a hole of the wall: {}", where);
   return fmt::format("capped {}{}: {}{}", rim.name.empty() ? "an opening" : rim.name,
-                     rim.is_ring ? " by a ring" : "", where, preparation(rim));
+                     rim.is_ring      ? " by a ring"
+                     : rim.was_capped ? " anew, as its end was not flat"
+                                      : "",
+                     where, preparation(rim));
 }
 
 /// As wide as a vessel's end, or at the end of a wall.
@@ -89,6 +98,76 @@ void warn_of_caps_within(const MixedMesh& surface, std::span<const ClosedRim> ri
         "there; an inner skin makes rings with the outer one only where both end within its radius of each "
         "other; cut off the longer one before",
         place_text(rim.centre_mm)));
+  }
+}
+
+/// Number of the divided end that a rim was around; ends.size() if none.
+std::size_t end_at(const ClosedRim& rim, std::span<const AreaSum> ends) {
+  std::size_t best = ends.size();
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    const double off_mm = (ends[e].centre() - rim.given.centre_mm).norm();
+    if (off_mm < rim.given.radius_mm &&
+        (best == ends.size() || off_mm < (ends[best].centre() - rim.given.centre_mm).norm()))
+      best = e;
+  }
+  return best;
+}
+
+/// Ends that the file closed by something that is not flat, in pieces by sharp edges, are opened and capped
+/// as open ones are. The surface stays as it is unless that succeeds for all of them.
+void cap_divided_ends(MixedMesh& surface, const SurfaceInputOptions& options,
+                      std::vector<ClosedRim>& closed) {
+  std::vector<std::vector<std::uint32_t>> ends;
+  try {
+    ends = triangles_of_divided_ends(surface_view(surface), options.domain);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;  // Whoever meshes it says what is wrong.
+  }
+  if (ends.empty()) return;
+  std::vector<AreaSum> shapes(ends.size());
+  std::vector<std::int32_t> patches;
+  std::vector<std::uint32_t> all;
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    for (const std::uint32_t t : ends[e]) {
+      const auto& [a, b, c] = surface.triangles[t];
+      shapes[e].add(surface.points[a], surface.points[b], surface.points[c]);
+    }
+    patches.push_back(surface.triangle_patches[ends[e].front()]);
+    all.insert(all.end(), ends[e].begin(), ends[e].end());
+  }
+  std::ranges::sort(all);
+  TriangleMesh open{surface.points, surface.triangles, surface.triangle_patches, {}};
+  surfaces::without_triangles(open, all);
+  const auto patch_count = static_cast<std::int32_t>(surface.info.patches.size());
+  surfaces::ClosedSurfaceMade made =
+      surfaces::close_surface(open.points, open.triangles, open.patches, patch_count);
+  std::vector<std::int32_t> patch_of_cap;
+  for (ClosedRim& rim : made.rims) {
+    const std::size_t end = end_at(rim, shapes);
+    if (!rim.is_opening || end == ends.size()) return;
+    patch_of_cap.push_back(patches[end]);
+    rim.was_capped = true;
+  }
+  if (made.rims.size() != ends.size()) return;
+  // A cap is the end's patch, where the file has several.
+  const std::set<std::int32_t> used(surface.triangle_patches.begin(), surface.triangle_patches.end());
+  const bool has_patches = std::ranges::count_if(used, [&](std::int32_t p) {
+                             const auto at = static_cast<std::size_t>(p);
+                             return at >= surface.info.patches.size() ||
+                                    surface.info.patches[at].kind != PatchKind::kOpening ||
+                                    !surface.info.patches[at].name.empty();
+                           }) > 1;
+  if (has_patches)
+    for (std::int32_t& p : made.surface.patches)
+      if (p >= patch_count) p = patch_of_cap[static_cast<std::size_t>(p - patch_count)];
+  surface.points = std::move(made.surface.points);
+  surface.triangles = std::move(made.surface.triangles);
+  surface.triangle_patches = std::move(made.surface.patches);
+  surface.metric.clear();
+  surface.sizes_mm.clear();
+  for (ClosedRim& rim : made.rims) {
+    if (!has_patches) surface.info.patches.push_back({"", PatchKind::kOpening, {1, kBackground}});
+    closed.push_back(std::move(rim));
   }
 }
 
@@ -129,7 +208,10 @@ SurfaceInput read_surface(const std::filesystem::path& path, const std::string& 
   if (!unit.empty()) read.info.unit = unit;
   SurfaceInput input{as_surface(std::move(read), path, context), {}, 0};
   input.given_box_mm = bounding_box(input.mesh.points);
+  const double given_mm =
+      input.mesh.triangles.empty() ? 0 : usual_resolution_mm(input.mesh.points, input.mesh.triangles);
   input.closed = close_open_ends(input.mesh, options, context);
+  if (!input.closed.empty()) input.resolution_mm = given_mm;
   if (cuts.none()) return input;
   naming(path.string(), [&] { cut_and_extend(input, cuts, options.domain, context); });
   return input;
@@ -147,7 +229,10 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
     context.warn(fmt::format("{} at corners only and {} left out, such as at {}",
                              counted(made.loose.count, "triangle hangs", "triangles hang"),
                              made.loose.count == 1 ? "is" : "are", place_text(made.loose.place_mm)));
-  if (made.rims.empty() && made.loose.count == 0) return {};
+  if (made.rims.empty() && made.loose.count == 0) {
+    cap_divided_ends(surface, options, made.rims);
+    return std::move(made.rims);
+  }
   surface.points = std::move(made.surface.points);
   surface.triangles = std::move(made.surface.triangles);
   surface.triangle_patches = std::move(made.surface.patches);
@@ -162,18 +247,32 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
           fmt::format("the end at {} was cut back by {:.2g} mm, to where both skins of its wall are; if what "
                       "lies within it is no skin of its wall, mesh it without",
                       place_text(rim.centre_mm), rim.cut_off_mm));
+  }
+  cap_divided_ends(surface, options, made.rims);
+  return std::move(made.rims);
+}
+
+void warn_of_filled_ends(std::span<const ClosedRim> closed, const Context& context) {
+  for (const ClosedRim& rim : closed)
     if (may_be_opening(rim))
       context.warn(fmt::format(
           "the surface ends at {} in a rim of radius {:.3g} mm with {} edges that is bent by {:.2g} "
           "mm; it is filled as wall, as a hole is; if a vessel ends there, cut it off flat before, "
           "with eight edges around at least",
           place_text(rim.centre_mm), rim.given.radius_mm, rim.given.vertices.size(), rim.given.deviation_mm));
-  }
-  return std::move(made.rims);
 }
 
 void name_closed(std::vector<ClosedRim>& closed, std::span<const FlatEnd> ends) {
+  constexpr double kNear = 0.1, kParallel = 0.95;  // Of the radius; cosine.
   for (ClosedRim& rim : closed) {
+    const auto end = std::ranges::find_if(ends, [&](const FlatEnd& e) {
+      return (e.centre_mm - rim.centre_mm).norm() < kNear * rim.given.radius_mm &&
+             std::abs(e.normal.dot(rim.normal)) > kParallel;
+    });
+    if (!rim.is_opening && end != ends.end()) {
+      rim.is_opening = true;
+      rim.name = end->name;
+    }
     if (!rim.is_opening || ends.empty() || !rim.name.empty()) continue;
     const auto distance = [&](const FlatEnd& end) { return (end.centre_mm - rim.centre_mm).squaredNorm(); };
     rim.name = std::ranges::min_element(ends, [&](const FlatEnd& a, const FlatEnd& b) {

@@ -115,8 +115,8 @@ struct SurfaceInputOptions {
 struct SurfaceInput {
   MixedMesh mesh;  ///< Caps are patches of PatchKind::kOpening without a name, last.
   std::vector<surfaces::ClosedRim> closed;
-  /// Resolution of what was read, where it was cut or extended since, as sizes are taken from it; 0: that of
-  /// `mesh`.
+  /// Resolution of what was read, where it was closed, cut or extended since, as sizes are taken from it; 0:
+  /// that of `mesh`.
   double resolution_mm = 0;
   std::vector<Opening> beginnings = {};  ///< Openings before they were extended; none where none was.
   Box3 given_box_mm = {};                ///< Around what was read.

@@ -53,6 +53,7 @@ struct ClosedRim {
   double area_mm2 = 0;            ///< Area of the new triangles.
   double cut_off_mm = 0;          ///< Height of what was cut off to make the rim planar.
   double moved_mm = 0;            ///< Farthest way of a vertex on the wall.
+  bool was_capped = false;        ///< It was closed by a cap that is not flat, which was taken off.
   bool is_ring = false;           ///< The cap goes around rims within it.
   bool ends_wall = false;         ///< True for a hole to which a wall runs up, as to the end of a vessel.
   std::int32_t patch = 0;         ///< Patch of the new triangles.

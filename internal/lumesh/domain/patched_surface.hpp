@@ -1,8 +1,10 @@
 #pragma once
 /// @file A closed surface in patches, without the distances that a SurfaceDomain measures.
 
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "lumesh/domain/surface_domain.hpp"
 
@@ -30,5 +32,11 @@ class PatchedSurface {
  private:
   std::shared_ptr<const surfaces::NamedRegions> regions_;
 };
+
+/// Triangles of each end of a closed surface that sharp edges divide into pieces, as they do fans of needles
+/// over a ragged rim, though all corners are in one plane within 5 % of the radius. None where equal points
+/// are several. @throws Error{kBadInput} as SurfaceDomain, but for crossings.
+[[nodiscard]] std::vector<std::vector<std::uint32_t>> triangles_of_divided_ends(
+    const SurfaceView& view, const SurfaceDomainOptions& options);
 
 }  // namespace lumesh

@@ -3,7 +3,11 @@
 
 #include <fmt/core.h>
 
+#include <span>
 #include <string>
+
+#include "lumesh/core/types.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
 
@@ -12,6 +16,11 @@ inline constexpr double kUsualEdge = 2.5;
 /// Resolution of a surface that does not say it: this share of its mean edge, but at most the box's diagonal
 /// over so many.
 inline constexpr double kResolutionPerEdge = 0.5, kResolutionsPerDiagonal = 128;
+
+/// The mean over the edges of all triangles, of which there is one at least.
+[[nodiscard]] double mean_edge_mm(std::span<const Vec3> points_mm, std::span<const Cell<3>> triangles);
+/// The resolution of such a surface.
+[[nodiscard]] double usual_resolution_mm(std::span<const Vec3> points_mm, std::span<const Cell<3>> triangles);
 
 /// "2.5 voxels".
 [[nodiscard]] inline std::string usual_edge_text() {

@@ -19,14 +19,17 @@ namespace lumesh {
 /// @throws Error{kBadInput} that names the file if it holds a volume.
 [[nodiscard]] MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path, const Context& context);
 
-/// Closes a surface as read_surface() does; one that is closed stays as it is. Warns of wide holes that
-/// became wall.
+/// Closes a surface as read_surface() does; one that is closed stays as it is.
 [[nodiscard]] std::vector<surfaces::ClosedRim> close_open_ends(MixedMesh& surface,
                                                                const SurfaceInputOptions& options,
                                                                const Context& context);
 
-/// Gives openings without a name those that the domain of the surface has for their caps.
+/// Gives openings without a name those that the domain of the surface has for their caps. What was filled as
+/// a hole and is a flat end all the same, as that of a tube of six sides, is an opening then.
 void name_closed(std::vector<surfaces::ClosedRim>& closed, std::span<const FlatEnd> ends);
+
+/// Warns of wide holes that became wall; after name_closed(), where the ends are known.
+void warn_of_filled_ends(std::span<const surfaces::ClosedRim> closed, const Context& context);
 
 /// One line for each, the smallest holes together.
 [[nodiscard]] std::vector<std::string> closing_lines(std::span<const surfaces::ClosedRim> closed);

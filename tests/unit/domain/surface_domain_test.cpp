@@ -260,24 +260,24 @@ TEST(SurfaceDomain, ShellsWithinShellsAreCavities) {
 }
 
 /// A tube along z of the given radii at its ends, closed by fans around a middle.
-TriangleSoup capped_tube(double radius, double end_radius, double tilt) {
-  constexpr std::uint32_t kAround = 24, kAlong = 12;
+TriangleSoup capped_tube(double radius, double end_radius, double tilt, std::uint32_t around = 24) {
+  constexpr std::uint32_t kAlong = 12;
   TriangleSoup soup;
   for (std::uint32_t k = 0; k <= kAlong; ++k)
-    for (std::uint32_t i = 0; i < kAround; ++i) {
-      const double share = static_cast<double>(k) / kAlong, angle = 2 * std::numbers::pi * i / kAround;
+    for (std::uint32_t i = 0; i < around; ++i) {
+      const double share = static_cast<double>(k) / kAlong, angle = 2 * std::numbers::pi * i / around;
       const double r = radius + share * (end_radius - radius), x = r * std::cos(angle);
       soup.points.emplace_back(x, r * std::sin(angle), 8 * share + tilt * share * x);
     }
-  const auto at = [](std::uint32_t k, std::uint32_t i) { return k * kAround + i % kAround; };
+  const auto at = [around](std::uint32_t k, std::uint32_t i) { return k * around + i % around; };
   for (std::uint32_t k = 0; k < kAlong; ++k)
-    for (std::uint32_t i = 0; i < kAround; ++i) {
+    for (std::uint32_t i = 0; i < around; ++i) {
       soup.triangles.push_back({at(k, i), at(k, i + 1), at(k + 1, i)});
       soup.triangles.push_back({at(k, i + 1), at(k + 1, i + 1), at(k + 1, i)});
     }
   const auto low = static_cast<std::uint32_t>(soup.points.size());
   soup.points.emplace_back(0, 0, 0), soup.points.emplace_back(0, 0, 8);
-  for (std::uint32_t i = 0; i < kAround; ++i) {
+  for (std::uint32_t i = 0; i < around; ++i) {
     soup.triangles.push_back({at(0, i + 1), at(0, i), low});
     soup.triangles.push_back({at(kAlong, i), at(kAlong, i + 1), low + 1});
   }
@@ -304,6 +304,50 @@ TEST(SurfaceDomain, FlatEndsOfTubesAreOpenings) {
                                                        {"inlet_1", PatchKind::kOpening},
                                                        {"outlet_1", PatchKind::kOpening}}));
   }
+}
+
+/// One of radius 2 whose rims are up to 3.5 % of that off their planes.
+TriangleSoup tube_with_ragged_rims(std::uint32_t around) {
+  TriangleSoup tube = capped_tube(2, 2, 0, around);
+  for (const std::uint32_t row : {0U, 12U})
+    for (std::uint32_t i = 0; i < around; ++i)
+      tube.points[row * around + i].z() += 0.07 * std::cos(2.399 * i * i + row);
+  return tube;
+}
+
+// Sharp edges between the triangles of its fan made an end several openings, or none.
+TEST(SurfaceDomain, AnEndOverARaggedRimIsOneOpening) {
+  for (const std::uint32_t around : {48U, 64U}) {
+    TriangleSoup tube = tube_with_ragged_rims(around);
+    const SurfaceDomain domain(tube.view());
+    ASSERT_EQ(domain.flat_ends().size(), 2U) << around;
+    for (const FlatEnd& end : domain.flat_ends()) {
+      EXPECT_GT(end.area_mm2, 0.99 * 4 * std::numbers::pi) << around;
+      EXPECT_LT(end.area_mm2, 1.15 * 4 * std::numbers::pi) << around;
+      EXPECT_GT(std::abs(end.normal.z()), 0.99);
+    }
+    EXPECT_EQ(domain.region_count(), 3U) << around;
+    tube.patches.assign(tube.triangles.size(), 0);
+    for (std::size_t t = tube.triangles.size() - 2 * around; t < tube.triangles.size(); ++t)
+      tube.patches[t] = t % 2 == 0 ? 1 : 2;
+    const std::vector<Patch> info = {
+        {"vessel", PatchKind::kWall, {}}, {"ica", PatchKind::kWall, {}}, {"mca", PatchKind::kWall, {}}};
+    const SurfaceDomain named({tube.points, tube.triangles, tube.patches, info});
+    std::set<std::string> names;
+    for (const FlatEnd& end : named.flat_ends()) names.insert(end.name);
+    EXPECT_EQ(names, (std::set<std::string>{"ica", "mca"})) << around;
+  }
+}
+
+TEST(SurfaceDomain, AnEndCutOffVeryObliquelyIsToldOf) {
+  const TriangleSoup oblique = capped_tube(2, 1.5, 1.8);  // 61 degrees from square.
+  const SurfaceDomain domain(oblique.view());
+  ASSERT_EQ(domain.flat_ends().size(), 1U);
+  ASSERT_EQ(domain.patch_notes().size(), 1U);
+  EXPECT_NE(domain.patch_notes()[0].find("0.0, 8.0) mm"), std::string::npos) << domain.patch_notes()[0];
+  EXPECT_NE(domain.patch_notes()[0].find("obliquely"), std::string::npos);
+  EXPECT_EQ(SurfaceDomain(oblique.view(), {.feature_angle_deg = 20}).flat_ends().size(), 2U);
+  EXPECT_TRUE(SurfaceDomain(capped_tube(2, 1.5, 0.5).view()).patch_notes().empty());
 }
 
 TEST(SurfaceDomain, FlatEndsKeepTheNamesOfTheFile) {

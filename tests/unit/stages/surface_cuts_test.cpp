@@ -35,13 +35,14 @@ struct Tube {
   std::function<Vec3(double)> axis = [](double s) { return Vec3(0, 0, s); };
   std::function<Vec3(double)> along = [](double /*s*/) { return Vec3(0, 0, 1); };
   std::function<double(double)> radius = [](double /*angle*/) { return 2.0; };
+  std::uint32_t rows = 48;
 };
 
 TriangleSoup soup_of(const Tube& tube) {
-  constexpr std::uint32_t kAround = 32, kRows = 48;
+  constexpr std::uint32_t kAround = 32;
   TriangleSoup soup;
-  for (std::uint32_t row = 0; row <= kRows; ++row) {
-    const double s = tube.length_mm * row / kRows;
+  for (std::uint32_t row = 0; row <= tube.rows; ++row) {
+    const double s = tube.length_mm * row / tube.rows;
     const Vec3 v = Vec3::UnitY(), u = v.cross(tube.along(s));
     for (std::uint32_t i = 0; i < kAround; ++i) {
       const double angle = 2 * kPi * i / kAround;
@@ -49,7 +50,7 @@ TriangleSoup soup_of(const Tube& tube) {
                                tube.radius(angle) * (std::cos(angle) * u + std::sin(angle) * v));
     }
   }
-  for (std::uint32_t row = 0; row < kRows; ++row)
+  for (std::uint32_t row = 0; row < tube.rows; ++row)
     for (std::uint32_t i = 0; i < kAround; ++i) {
       const std::uint32_t a = row * kAround + i, b = row * kAround + (i + 1) % kAround;
       soup.triangles.push_back({a, b, a + kAround});
@@ -250,6 +251,74 @@ TEST_F(SurfaceCuts, AnEndThatIsClippedKeepsItsName) {
   std::set<std::string> names;
   for (const FlatEnd& end : domain->flat_ends()) names.insert(end.name);
   EXPECT_EQ(names, (std::set<std::string>{"ICA", "MCA"}));
+}
+
+/// A tube closed by fans over rims up to 3.5 % of its radius off their planes.
+TriangleSoup closed_raggedly() {
+  TriangleSoup soup = soup_of({});
+  const std::size_t last = soup.points.size() - 32;
+  for (const std::size_t first : {std::size_t{0}, last}) {
+    const auto middle = static_cast<std::uint32_t>(soup.points.size());
+    Vec3 centre = Vec3::Zero();
+    for (std::uint32_t i = 0; i < 32; ++i) {
+      centre += soup.points[first + i] / 32;
+      soup.points[first + i].z() += 0.07 * std::cos(4.0 * i * i);
+    }
+    soup.points.push_back(centre);
+    for (std::uint32_t i = 0; i < 32; ++i) {
+      const auto a = static_cast<std::uint32_t>(first) + i,
+                 b = static_cast<std::uint32_t>(first) + (i + 1) % 32;
+      soup.triangles.push_back(first == 0 ? Cell<3>{b, a, middle} : Cell<3>{a, b, middle});
+    }
+  }
+  return soup;
+}
+
+// A fan over a ragged rim was several openings, or none.
+TEST_F(SurfaceCuts, EndsThatSharpEdgesDivideAreCappedAnew) {
+  SurfaceInputOptions options;
+  options.domain.feature_angle_deg = 25;
+  const SurfaceInput given = read_surface(write(closed_raggedly()), "", options, {}, context_);
+  ASSERT_EQ(given.closed.size(), 2U);
+  const auto domain = given.domain(options.domain);
+  ASSERT_EQ(domain->flat_ends().size(), 2U);
+  for (const FlatEnd& end : domain->flat_ends()) EXPECT_NEAR(end.area_mm2, 4 * kPi, 0.02 * 4 * kPi);
+  options.keeps_open = true;
+  EXPECT_TRUE(read_surface(write(closed_raggedly()), "", options, {}, context_).closed.empty());
+}
+
+// A tube of six sides: its ends are flat, though no rim of an opening has so few edges.
+TEST_F(SurfaceCuts, WhatWasFilledAndIsAFlatEndIsToldAsAnOpening) {
+  TriangleSoup soup;
+  for (std::uint32_t row = 0; row < 13; ++row)
+    for (std::uint32_t i = 0; i < 6; ++i)
+      soup.points.emplace_back(2 * std::cos(kPi * i / 3), 2 * std::sin(kPi * i / 3), row);
+  for (std::uint32_t row = 0; row < 12; ++row)
+    for (std::uint32_t i = 0; i < 6; ++i) {
+      const std::uint32_t a = row * 6 + i, b = row * 6 + (i + 1) % 6;
+      soup.triangles.push_back({a, b, a + 6});
+      soup.triangles.push_back({b, b + 6, a + 6});
+    }
+  SurfaceInput given = read_surface(write(soup), "", {}, {}, context_);
+  const auto domain = given.domain({.feature_angle_deg = 70});
+  ASSERT_EQ(domain->flat_ends().size(), 2U);
+  name_closed(given.closed, domain->flat_ends());
+  warn_of_filled_ends(given.closed, context_);
+  EXPECT_TRUE(told_.empty()) << told_.front();
+  for (const surfaces::ClosedRim& rim : given.closed) EXPECT_TRUE(rim.is_opening) << rim.name;
+}
+
+// Caps may be much finer than the wall.
+TEST_F(SurfaceCuts, CapsDoNotCountInTheResolution) {
+  Tube tube;
+  tube.radius = [](double /*angle*/) { return 0.5; };
+  tube.rows = 200;
+  const TriangleSoup soup = soup_of(tube);
+  double sum_mm = 0;
+  for (const Cell<3>& t : soup.triangles)
+    for (std::size_t i = 0; i < 3; ++i) sum_mm += (soup.points[t[(i + 1) % 3]] - soup.points[t[i]]).norm();
+  const double mean_mm = sum_mm / static_cast<double>(3 * soup.triangles.size());
+  EXPECT_NEAR(read(soup, {}).domain({})->resolution_mm(), 0.5 * mean_mm, 1e-12);
 }
 
 TEST_F(SurfaceCuts, ASectionBecomesACircleOfItsArea) {
