@@ -68,7 +68,7 @@ std::string text_of_repairs(const RepairOutcome& outcome) {
     return text;
   }
   line(r.duplicate_triangles, "triangles that were there twice left out");
-  line(r.loose_triangles, "triangles that hung at corners only left out");
+  line(r.loose_triangles, "triangles that hung at corners or one edge left out");
   line(r.dropped_parts,
        fmt::format("components of {} triangles dropped: specks, or on others", r.dropped_triangles));
   line(r.singular_edges, "edges of three triangles or more cut");

@@ -145,6 +145,7 @@ class LocalRepair {
     drop_loose_triangles();
     turn_alike(surface_);
     drop_parts();
+    drop_fins();
     report_.singular_edges = remove_at_bad_edges();
     drop_hanging_parts();
     fill_touching_holes();
@@ -217,6 +218,19 @@ class LocalRepair {
   }
 
   /// Edges of three triangles or more, and those whose two cannot be turned alike.
+  /// Single triangles that stand on an edge of the wall, with nothing at their other edges.
+  void drop_fins() {
+    std::vector<std::uint8_t> crowded(origin_.size(), 0), open(origin_.size(), 0), is_bad(origin_.size(), 0);
+    for_each_edge(sorted_sides(surface_.triangles), [&](std::span<const TriangleSide> edge) {
+      if (edge.size() == 1) ++open[edge[0].triangle];
+      if (edge.size() > 2)
+        for (const TriangleSide& side : edge) ++crowded[side.triangle];
+    });
+    for (std::size_t t = 0; t < origin_.size(); ++t) is_bad[t] = crowded[t] == 1 && open[t] == 2 ? 1 : 0;
+    report_.loose_triangles += static_cast<std::uint64_t>(std::ranges::count(is_bad, 1));
+    drop(is_bad);
+  }
+
   std::uint64_t remove_at_bad_edges() {
     std::vector<std::uint8_t> is_bad(origin_.size(), 0);
     const std::uint64_t count = mark_bad_edges(sorted_sides(surface_.triangles), is_bad);
