@@ -62,18 +62,34 @@ class Skin {
                high = corner(t, 0).cwiseMax(corner(t, 1)).cwiseMax(corner(t, 2));
     std::vector<std::uint32_t> found = tree.overlapping(low, high);
     std::erase_if(found, [&](std::uint32_t other) {
-      if (other == t || shares_column(t, other)) return true;
+      if (other == t) return true;
       if (other < surface_.triangles.size() && has_layers_[other] == 0)
         return true;  // It is the surface there.
-      return !triangles_meet({corner(t, 0), corner(t, 1), corner(t, 2)},
-                             {corner(other, 0), corner(other, 1), corner(other, 2)});
+      const std::array<Vec3, 3> a = {corner(t, 0), corner(t, 1), corner(t, 2)},
+                                b = {corner(other, 0), corner(other, 1), corner(other, 2)};
+      return shares_column(t, other) ? !meet_around_corner(a, b) : !triangles_meet(a, b);
     });
     return found;
   }
-  /// Neighbours touch by construction; whether they fold is the cells' matter.
   [[nodiscard]] bool shares_column(std::uint32_t a, std::uint32_t b) const {
     return std::ranges::any_of(
         columns_[a], [&](std::uint32_t v) { return std::ranges::find(columns_[b], v) != columns_[b].end(); });
+  }
+  /// Whether neighbours with one corner in common meet in more. Those with an edge touch by construction, and
+  /// whether they fold is the cells' matter.
+  [[nodiscard]] static bool meet_around_corner(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+    std::size_t common = 0, of_a = 0, of_b = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (a[i] != b[k]) continue;
+        ++common;
+        of_a = i;
+        of_b = k;
+      }
+    if (common != 1) return false;
+    const auto next = [](std::size_t i, std::size_t by) { return (i + by) % 3; };
+    return segment_meets_triangle(a[next(of_a, 1)], a[next(of_a, 2)], b[0], b[1], b[2]) ||
+           segment_meets_triangle(b[next(of_b, 1)], b[next(of_b, 2)], a[0], a[1], a[2]);
   }
   void raise_at(std::size_t t, std::vector<std::uint8_t>& flags) const {
     for (const std::uint32_t v : surface_.triangles[t]) parallel::raise(flags[v]);

@@ -3,6 +3,7 @@
 
 Usage: layers_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
 """
+import itertools
 import json
 import math
 import pathlib
@@ -41,12 +42,42 @@ def write_stl(path, triangles):
     path.write_text("\n".join([*lines, "endsolid cylinder", ""]))
 
 
+def write_parted_ball(path, seed):
+    """An image of a ball that planes between some places, the same for a seed everywhere, part into labels."""
+    def chance(i):
+        value = math.sin(i * 12.9898 + seed * 78.233) * 43758.5453
+        return value - math.floor(value)
+
+    size, spacing = (10, 22, 16), (1, 1, 1 + 1.5 * chance(99))
+    places = [[chance(3 * i + axis) * size[axis] * spacing[axis] for axis in range(3)] for i in range(4 + int(4 * chance(98)))]
+    middle = [(size[axis] - 1) * spacing[axis] / 2 for axis in range(3)]
+    radius = 1.6 * (3.5 + 3 * chance(97))
+    voxels = bytearray()
+    for k, j, i in itertools.product(range(size[2]), range(size[1]), range(size[0])):
+        place = (i * spacing[0], j * spacing[1], k * spacing[2])
+        nearest = min(range(len(places)), key=lambda n: math.dist(place, places[n]))
+        voxels.append(1 + nearest if math.dist(place, middle) < radius else 0)
+    path.write_bytes(("NRRD0004\ntype: uchar\ndimension: 3\nsizes: %d %d %d\nspacings: %r %r %r\nencoding: raw\n\n"
+                      % (*size, *spacing)).encode() + bytes(voxels))
+
+
 class LayersTest(MeshTest):
     def setUp(self):
         super().setUp()
         self.mesh = self.folder / "cube.mesh"
         points, tetrahedra, triangles = cube(4)
         write_medit(self.mesh, points, tetrahedra, triangles)
+
+    def test_the_outer_surface_does_not_fold_around_a_corner(self):
+        # Between layers and a ridge without them, triangles with one corner in common crossed.
+        for seed, height in ((288, 0.2), (288, 0.25)):
+            with self.subTest(seed=seed, height=height):
+                image, base = self.folder / "ball.nrrd", self.folder / "ball.vtu"
+                write_parted_ball(image, seed)
+                self.run_well("lattice", image, "-o", base, "--edge-length", 2.6)
+                result = self.run_lumesh("layers", base, "--first-height", height, "--count", 4, "-o", self.out)
+                self.assertNotIn("invalid", result.stderr)
+                self.assertTrue(self.out.exists())
 
     def test_grows_named_layers_and_says_what_it_achieved(self):
         numbers, page = self.folder / "layers.json", self.folder / "layers.html"
