@@ -202,7 +202,7 @@ class CheckTest(ProgramTest):
     def test_tubes_that_cross_become_one(self):
         self.write(tube(10), tube(10, axis=0, shift=(0.1, 0.3, 0.2)))
         self.assertIn("self_intersections", self.check(self.stl, NOT_REACHED))
-        self.assert_refused(self.run_lumesh("repair", self.stl, "-o", self.out, "--method", "local"), NOT_REACHED, " mm")
+        self.assert_refused(self.run_lumesh("repair", self.stl, "-o", self.out, "--method", "local", "-q"), NOT_REACHED, " mm")
         self.assertFalse(self.out.exists())
         done = self.folder / "done.json"
         self.run_well("repair", self.stl, "-o", self.out, "--json", done)
