@@ -15,12 +15,14 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/edge_loops.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/surface/rims.hpp"
+#include "surface_cuts.hpp"
 
 namespace lumesh {
 namespace {
@@ -74,6 +76,19 @@ void require_lumen(const MixedMesh& mesh) {
                   place_text(sections.front().place_mm)));
 }
 
+/// Flat ends of a closed surface that names no opening are openings: walls across a vessel would let axes
+/// end beside them, with radii of the way to them. Nothing where the surface crosses itself.
+void open_flat_ends(MixedMesh& surface) {
+  const auto is_opening = [](const Patch& patch) { return patch.kind == PatchKind::kOpening; };
+  if (std::ranges::any_of(surface.info.patches, is_opening)) return;
+  try {
+    const PatchedSurface patched(surface_view(surface));
+    if (!patched.flat_ends().empty()) take_patches_of(patched, surface);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+  }
+}
+
 /// Warnings of a surface whose axes may be wrong.
 void warn_of_surface(const MixedMesh& surface, const CenterlineRequest& request, const Context& context) {
   const std::string unit = request.selection.unit.empty() ? unit_doubt(surface) : "";
@@ -103,7 +118,10 @@ CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& con
     if (is_surface && request.surface.keeps_open) require_closed(mesh);
     require_lumen(mesh);
   });
-  if (is_surface) context.phase("crossings", [&] { warn_of_surface(mesh, request, context); });
+  if (is_surface) {
+    context.phase("crossings", [&] { warn_of_surface(mesh, request, context); });
+    context.phase("ends", [&] { open_flat_ends(mesh); });
+  }
   made.provenance = mesh.info.provenance;
   made.lines =
       naming(request.path, [&] { return extract_centerline(mesh.view(), request.options, context); });

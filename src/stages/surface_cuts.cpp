@@ -81,13 +81,6 @@ Polylines axes_of(const MixedMesh& surface) {
   return all;
 }
 
-void take_patches_of(const PatchedSurface& surface, MixedMesh& mesh) {
-  MixedMesh patched = surface.mesh();
-  std::swap(patched.info.patches, mesh.info.patches);
-  patched.info = std::move(mesh.info);
-  mesh = std::move(patched);
-}
-
 /// A patch for each flat end, and the rest: cuts keep off the ends, and axes end there. Names that the
 /// surface does not have are left to what the cuts leave.
 std::vector<FlatEnd> find_ends(const PatchedSurface& patched, MixedMesh& mesh) {
@@ -238,6 +231,13 @@ void extend_ends(const PatchedSurface& patched, const ExtensionOptions& extensio
 }
 
 }  // namespace
+
+void take_patches_of(const PatchedSurface& surface, MixedMesh& mesh) {
+  MixedMesh patched = surface.mesh();
+  std::swap(patched.info.patches, mesh.info.patches);
+  patched.info = std::move(mesh.info);
+  mesh = std::move(patched);
+}
 
 void cut_and_extend(SurfaceInput& surface, const InputCuts& cuts, const SurfaceDomainOptions& options,
                     const Context& context) {

@@ -7,6 +7,8 @@
 
 namespace lumesh {
 
+class PatchedSurface;
+
 /// Cuts a closed surface by the planes, then its vessels at the places, then their ends, as cut_off() does
 /// with images, and caps what was cut; then extends it from its flat ends. Caps are patches of
 /// PatchKind::kOpening without a name; where the surface is extended, all patches are those of its domain.
@@ -15,5 +17,8 @@ namespace lumesh {
 /// do, and if there is no flat end to extend.
 void cut_and_extend(SurfaceInput& surface, const InputCuts& cuts, const SurfaceDomainOptions& options,
                     const Context& context);
+
+/// Replaces the patches of a surface by those of its parts, among them its flat ends.
+void take_patches_of(const PatchedSurface& surface, MixedMesh& mesh);
 
 }  // namespace lumesh

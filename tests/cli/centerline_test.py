@@ -6,6 +6,7 @@ Usage: centerline_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input
 import base64
 import hashlib
 import json
+import math
 import pathlib
 import re
 import sys
@@ -23,6 +24,22 @@ def tube(label=1):
     """A straight vessel along z, radius 4 voxels, i fastest."""
     return [label if (i - 9) ** 2 + (j - 9) ** 2 < 16.5 else 0
             for _ in range(SIZES[2]) for j in range(SIZES[1]) for i in range(SIZES[0])]
+
+
+def write_closed_tube(path, radius, length, slope, around=32, rows=40):
+    """A closed tube along z, whose far end is cut off obliquely."""
+    def corner(row, i):
+        x, y = (radius * f(2 * math.pi * (i % around) / around) for f in (math.cos, math.sin))
+        return x, y, row / rows * (length + slope * x)
+
+    faces, ends = [], ((0.0, 0.0, 0.0), (0.0, 0.0, length))
+    for i in range(around):
+        faces += [(corner(0, i + 1), corner(0, i), ends[0]), (corner(rows, i), corner(rows, i + 1), ends[1])]
+        for row in range(rows):
+            faces += [(corner(row, i), corner(row, i + 1), corner(row + 1, i)),
+                      (corner(row, i + 1), corner(row + 1, i + 1), corner(row + 1, i))]
+    lines = [line for face in faces for line in ("facet normal 0 0 0", "outer loop", *("vertex %.9g %.9g %.9g" % p for p in face), "endloop", "endfacet")]
+    path.write_text("\n".join(["solid tube", *lines, "endsolid", ""]))
 
 
 class CenterlineTest(ProgramTest):
@@ -58,6 +75,18 @@ class CenterlineTest(ProgramTest):
         self.run_well("phantom", "carotid", "--size", "128", "128", "127", "--spacing", "4", "-o", image, "-q")
         self.run_well("delaunay", image, "-o", mesh, "-q")
         self.assertEqual(self.run_well("centerline", mesh, "-o", self.out).stderr, "")
+
+    def test_flat_ends_of_closed_surfaces_are_openings(self):
+        # Axes ended beside oblique ends, with radii of the way to them.
+        surface = self.folder / "tube.stl"
+        for slope in (0, 0.6, 1):
+            with self.subTest(slope=slope):
+                write_closed_tube(surface, 2, 20, slope)
+                told = self.run_well("centerline", surface, "-o", self.out).stdout
+                lines, low, high = re.search(r"(\d+) lines,.* radius ([\d.]+) to ([\d.]+) mm", told).groups()
+                self.assertEqual(lines, "1")
+                self.assertGreater(float(low), 0.95 * 2)
+                self.assertLess(float(high), 1.05 * 2)
 
     def test_quiet_says_nothing(self):
         self.assertEqual(self.run_well("centerline", self.image, "-o", self.out, "-q").stdout, "")
