@@ -162,4 +162,19 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
   return shapes;
 }
 
+std::vector<std::uint32_t> steps_of_voxels(const std::vector<RegionShape>& shapes,
+                                           const std::function<bool(std::uint32_t)>& is_cap) {
+  // Of the wall around: ends have up to 0.2, one that flares by 50 degrees 0.6.
+  constexpr double kMinCosine = 0.45;
+  constexpr double kMaxOff = 0.01;      // Sine between steps and the axes of the first.
+  constexpr std::size_t kMinCount = 4;  // More than the axes.
+  std::vector<std::uint32_t> steps;
+  for (std::uint32_t r = 0; r < shapes.size(); ++r) {
+    if (!shapes[r].is_flat_end || shapes[r].wall_cosine < kMinCosine || is_cap(r)) continue;
+    const double cosine = steps.empty() ? 1 : std::abs(shapes[r].normal.dot(shapes[steps.front()].normal));
+    if (cosine < kMaxOff || cosine * cosine > 1 - kMaxOff * kMaxOff) steps.push_back(r);
+  }
+  return steps.size() < kMinCount ? std::vector<std::uint32_t>() : steps;
+}
+
 }  // namespace lumesh::surfaces

@@ -2,6 +2,7 @@
 // Regions of a closed surface where a vessel was cut off.
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -32,5 +33,11 @@ struct RegionShape {
 /// Shapes of all regions.
 [[nodiscard]] std::vector<RegionShape> region_shapes(const ClosedSurface& surface,
                                                      const FeatureRegions& regions);
+
+/// Flat ends of which there are many, square or parallel to each other, and which the wall around leaves at a
+/// small angle: the steps that voxels leave all over a wall that is oblique to them; none if they are few.
+/// @param is_cap  By number of a region: what open ends were closed with is no step.
+[[nodiscard]] std::vector<std::uint32_t> steps_of_voxels(const std::vector<RegionShape>& shapes,
+                                                         const std::function<bool(std::uint32_t)>& is_cap);
 
 }  // namespace lumesh::surfaces

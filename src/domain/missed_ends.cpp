@@ -44,9 +44,10 @@ class FlatParts {
 
   [[nodiscard]] std::optional<MissedEnd> as_end(const std::vector<std::uint32_t>& part) const {
     constexpr std::size_t kMinAround = 8;
-    constexpr double kMinTurnDeg = 15, kMaxShare = 0.7;  // Of the region's area.
-    constexpr double kMinRound = 0.5;                    // Of the area that a circle with the rim has.
-    constexpr double kMaxAlike = 0.5;                    // Mean normal of the wall around.
+    constexpr double kMinTurnDeg = 15, kMaxTurnDeg = 60;
+    constexpr double kMaxShare = 0.7;  // Of the region's area.
+    constexpr double kMinRound = 0.5;  // Of the area that a circle with the rim has.
+    constexpr double kMaxAlike = 0.5;  // Mean normal of the wall around.
     if (part.size() < kMinAround - 2) return std::nullopt;
     AreaSum all;
     Vec3 wall = Vec3::Zero();
@@ -68,9 +69,11 @@ class FlatParts {
     const double round_mm2 = around_mm * around_mm / (4 * std::numbers::pi);
     const double region_mm2 = regions_.areas_mm2[regions_.of_triangle[part.front()]];
     if (next.size() < kMinAround || all.area < kMinRound * round_mm2 || all.area > kMaxShare * region_mm2 ||
-        wall.norm() > kMaxAlike * around_mm || !is_one_curve(next))
+        wall.norm() > kMaxAlike * around_mm || most_alike < std::cos(kMaxTurnDeg * kDegree) ||
+        !is_one_curve(next))
       return std::nullopt;
-    return MissedEnd{all.centre(), circle_radius(all.area), std::acos(most_alike) / kDegree};
+    return MissedEnd{all.centre(), circle_radius(all.area), std::acos(most_alike) / kDegree,
+                     regions_.of_triangle[part.front()]};
   }
 
   const ClosedSurface& surface_;

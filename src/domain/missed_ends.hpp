@@ -1,6 +1,7 @@
 #pragma once
 // Flat ends of vessels that no sharp edge parts from the wall all around.
 
+#include <cstdint>
 #include <vector>
 
 #include "closed_surface.hpp"
@@ -12,6 +13,7 @@ struct MissedEnd {
   Vec3 centre_mm = Vec3::Zero();
   double radius_mm = 0;
   double least_turn_deg = 0;  // At the edge around it.
+  std::uint32_t region = 0;   // Its number.
 };
 
 /// Parts of regions in one plane to which a tube-like wall runs up from all sides, as at an end that is cut

@@ -118,36 +118,29 @@ void NamedRegions::note_pieces(std::span<const RegionShape> shapes) {
 }
 
 void NamedRegions::note_missed_ends() {
-  for (const MissedEnd& end : missed_ends(surface, regions))
+  for (const MissedEnd& end : missed_ends(surface, regions)) {
+    if (of_region[end.region].kind == PatchKind::kOpening) continue;
     notes.push_back(fmt::format(
         "the flat piece at {}, of radius {:.3g} mm, is taken as wall, though a vessel may end there, cut off "
         "obliquely: on one side the surface turns by {:.0f} degrees only; a smaller {} makes it an opening, "
         "and so does a cut before it ({})",
         place_text(end.centre_mm), end.radius_mm, end.least_turn_deg, option_name("feature_angle"),
         option_name("cut_at")));
+  }
 }
 
 /// Voxels leave flat steps all over a wall that is oblique to them, square or parallel to each other, which
 /// are no ends.
 void NamedRegions::leave_out_steps(std::vector<RegionShape>& shapes) {
-  // Of the wall around: ends have up to 0.2, one that flares by 50 degrees 0.6.
-  constexpr double kMinCosine = 0.45;
-  constexpr double kMaxOff = 0.01;      // Sine between steps and the axes of the first.
-  constexpr std::size_t kMinCount = 4;  // More than the axes.
-  std::vector<RegionShape*> steps;
-  for (std::uint32_t r = 0; r < shapes.size(); ++r) {
-    RegionShape& shape = shapes[r];
-    if (!shape.is_flat_end || shape.wall_cosine < kMinCosine || is_cap_of_file(regions.patches[r])) continue;
-    const double cosine = steps.empty() ? 1 : std::abs(shape.normal.dot(steps.front()->normal));
-    if (cosine < kMaxOff || cosine * cosine > 1 - kMaxOff * kMaxOff) steps.push_back(&shape);
-  }
-  if (steps.size() < kMinCount) return;
-  for (RegionShape* const step : steps) step->is_flat_end = false;
+  const std::vector<std::uint32_t> steps =
+      steps_of_voxels(shapes, [&](std::uint32_t r) { return is_cap_of_file(regions.patches[r]); });
+  if (steps.empty()) return;
+  for (const std::uint32_t r : steps) shapes[r].is_flat_end = false;
   notes.push_back(fmt::format(
       "{} flat steps, such as at {}, are taken as wall: they look like the stairs of voxels "
       "that the surface is drawn around, and the mesh will have these, too; mesh the image itself, "
       "or smooth the surface before",
-      steps.size(), place_text(steps.front()->centre_mm)));
+      steps.size(), place_text(shapes[steps.front()].centre_mm)));
 }
 
 /// Ends that are taken for wall because a few bent triangles belong to their patch, walls that are taken for

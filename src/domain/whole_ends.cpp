@@ -11,6 +11,7 @@
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/geometry/triangle_intersection.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -46,6 +47,8 @@ class EndPieces {
   /// Triangles of ends that are no region; none is in two.
   [[nodiscard]] std::vector<std::vector<std::uint32_t>> find() {
     constexpr int kMaxTries = 64;  // Each looks at the whole surface.
+    if (!steps_of_voxels(region_shapes(surface_, regions_), [](std::uint32_t) { return false; }).empty())
+      return {};
     std::vector<std::vector<std::uint32_t>> found;
     std::vector<std::uint8_t> is_taken(surface_.triangles.size(), 0);
     int tries = 0;
@@ -132,7 +135,28 @@ class EndPieces {
     constexpr double kMaxWallCosine = 0.45;  // Rough places of a wall are flat here and there, too.
     const FeatureRegions joined = with_regions(surface_, regions_, std::span(&end, 1));
     const RegionShape shape = region_shapes(surface_, joined)[joined.of_triangle[end.front()]];
-    return shape.is_like_end && shape.wall_cosine <= kMaxWallCosine;
+    return shape.is_like_end && shape.wall_cosine <= kMaxWallCosine && has_room_behind(end);
+  }
+  /// Whether the object goes on behind an end, as a vessel does; behind the flat side of a sac it ends.
+  [[nodiscard]] bool has_room_behind(const std::vector<std::uint32_t>& end) const {
+    constexpr double kMinDepth = 0.6;  // Of the radius; where a vessel is cut off by 70 degrees it is 0.62.
+    constexpr int kPlaces = 8, kMinFree = 5;
+    const EndPlane plane = plane_of({{}, end});
+    const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
+    int free = 0;
+    for (int k = 0; k < kPlaces; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kPlaces;
+      const Vec3 place =
+          plane.centre_mm + 0.5 * plane.radius_mm * (std::cos(angle) * u + std::sin(angle) * v);
+      const Vec3 first = place - 1.2 * kMaxBent * plane.radius_mm * plane.normal,
+                 last = place - kMinDepth * plane.radius_mm * plane.normal;
+      bool is_free = true;
+      for (std::uint32_t t = 0; is_free && t < surface_.triangles.size(); ++t)
+        is_free = !segment_meets_triangle(first, last, surface_.corner(t, 0), surface_.corner(t, 1),
+                                          surface_.corner(t, 2));
+      free += is_free ? 1 : 0;
+    }
+    return free >= kMinFree;
   }
 
   void put(const End& end, std::uint8_t is_in) {

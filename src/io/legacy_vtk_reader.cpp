@@ -251,6 +251,26 @@ class LegacyReader {
     }
     return true;
   }
+  /// Texts are lines, or have their length before them, whose first two bits say how many bytes it takes.
+  void skip_texts(std::size_t count) {
+    line();  // the rest of the header line
+    for (std::size_t i = 0; i < count; ++i) {
+      if (at_ >= content_.size()) fail("is cut off");
+      if (!binary_) {
+        line();
+        continue;
+      }
+      const unsigned first = static_cast<unsigned char>(content_[at_]);
+      const std::size_t bytes = std::size_t{8} >> (first >> 6U);
+      if (bytes > content_.size() - at_) fail("is cut off");
+      std::uint64_t length = first & 0x3FU;
+      for (std::size_t k = 1; k < bytes; ++k)
+        length = length << 8U | static_cast<unsigned char>(content_[at_ + k]);
+      at_ += bytes;
+      if (length > content_.size() - at_) fail("is cut off");
+      at_ += length;
+    }
+  }
   void skip_tuples(const std::string& type, std::size_t tuples, std::size_t components) {
     if (components > 0 && tuples > content_.size() / components) fail("is cut off");
     numbers(type, tuples * components);
@@ -303,7 +323,7 @@ class LegacyReader {
   /// VTK's notes on an array, up to an empty line.
   void skip_metadata() {
     line();
-    while (at_ < content_.size() && !line().empty()) {
+    while (at_ < content_.size() && line().find_first_not_of(" \t\r") != std::string_view::npos) {
     }
   }
 
@@ -318,6 +338,10 @@ class LegacyReader {
       const std::size_t tuples = next_count();
       const std::string type = next();
       if (components > 0 && tuples > content_.size() / components) fail("is cut off");
+      if (type == "string") {
+        skip_texts(components * tuples);
+        continue;
+      }
       keep_array(name, components, numbers(type, components * tuples));
     }
   }

@@ -34,8 +34,9 @@ class PatchedSurface {
 };
 
 /// Triangles of each end of a closed surface that sharp edges divide into pieces, as they do fans of needles
-/// over a ragged rim, though all corners are in one plane within 5 % of the radius. None where equal points
-/// are several. @throws Error{kBadInput} as SurfaceDomain, but for crossings.
+/// over a ragged rim, though all corners are in one plane within 5 % of the radius. None on the stairs of
+/// voxels, and none where equal points are several. @throws Error{kBadInput} as SurfaceDomain, but for
+/// crossings.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> triangles_of_divided_ends(
     const SurfaceView& view, const SurfaceDomainOptions& options);
 

@@ -307,12 +307,20 @@ TEST(SurfaceDomain, FlatEndsOfTubesAreOpenings) {
 }
 
 /// One of radius 2 whose rims are up to 3.5 % of that off their planes.
-TriangleSoup tube_with_ragged_rims(std::uint32_t around) {
+TriangleSoup tube_with_ragged_rims(std::uint32_t around, double length_mm = 8) {
   TriangleSoup tube = capped_tube(2, 2, 0, around);
+  for (Vec3& p : tube.points) p.z() *= length_mm / 8;
   for (const std::uint32_t row : {0U, 12U})
     for (std::uint32_t i = 0; i < around; ++i)
       tube.points[row * around + i].z() += 0.07 * std::cos(2.399 * i * i + row);
   return tube;
+}
+
+// As a sac drawn around a few slices of voxels: what is behind its flat sides are its other sides.
+TEST(SurfaceDomain, RaggedSidesOfADiscAreNoEnds) {
+  const double side_mm2 = 4 * std::numbers::pi;
+  for (const FlatEnd& end : SurfaceDomain(tube_with_ragged_rims(48, 1).view()).flat_ends())
+    EXPECT_LT(end.area_mm2, 0.8 * side_mm2);
 }
 
 // Sharp edges between the triangles of its fan made an end several openings, or none.

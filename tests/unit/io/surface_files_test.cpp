@@ -137,6 +137,30 @@ TEST_F(SurfaceFile, AttributesOfLegacyVtkThatSayNothing) {
   EXPECT_EQ(mesh.triangles, (std::vector<Cell<3>>{{0, 2, 1}}));
 }
 
+TEST_F(SurfaceFile, TextsInLegacyVtkAreSkipped) {
+  const std::string polygons = "POLYGONS 1 4\n3 0 2 1\n";
+  const MixedMesh mesh =
+      read("a.vtk",
+           kPolyDataHeader + "FIELD FieldData 2\nwho 1 2 string\nA model\n%20b\nn 1 1 int\n3\n" + polygons);
+  EXPECT_EQ(mesh.triangles, (std::vector<Cell<3>>{{0, 2, 1}}));
+  expect_refused("a.vtk", kPolyDataHeader + "FIELD FieldData 1\nwho 1 9 string\nA model\n", "cut off");
+  // Lengths of up to 63 take one byte, of up to 16383 two, behind bits that say so.
+  std::string bytes =
+      "# vtk DataFile Version 4.2\na\nBINARY\nDATASET POLYDATA\nFIELD FieldData 1\nwho 1 2 string\n";
+  bytes +=
+      std::string("\xC3") + "abc" + std::string("\x80\x46", 2) + std::string(70, 'x') + "\nPOINTS 3 float\n";
+  bytes += std::string(36, '\0') + "\nPOLYGONS 1 4\n";
+  for (const char number : {3, 0, 2, 1}) bytes += std::string(3, '\0') + number;
+  EXPECT_EQ(read("a.vtk", bytes).triangles, (std::vector<Cell<3>>{{0, 2, 1}}));
+  expect_refused("a.vtk", bytes.substr(0, bytes.find("abc") + 2), "cut off");
+}
+
+TEST_F(SurfaceFile, NotesOnArraysEndWithAnEmptyLineOfAnyKind) {
+  std::string text = kPolyDataHeader + "METADATA\nINFORMATION 0\n\nPOLYGONS 1 4\n3 0 2 1\n";
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.insert(at, "\r");
+  EXPECT_EQ(read("a.vtk", text).triangles, (std::vector<Cell<3>>{{0, 2, 1}}));
+}
+
 TEST_F(SurfaceFile, StripsOfTriangles) {
   const MixedMesh mesh = read("a.vtk", kPolyDataHeader + "TRIANGLE_STRIPS 1 7\n6 0 2 1 3 0 2\n");
   EXPECT_EQ(mesh.triangles, (std::vector<Cell<3>>{{0, 2, 1}, {2, 3, 1}, {1, 3, 0}, {3, 2, 0}}));
