@@ -97,9 +97,10 @@ void add_polygons(const std::filesystem::path& path, const Polygons& polygons, c
   if (!patch_array.empty() && patch_array != "patch") mesh.info.patches.clear();
   if (polygons.ends.empty() && polygons.strip_ends.empty()) fail(path, "holds no polygon");
   const std::size_t cells = polygons.cells_before + polygons.ends.size() + polygons.strip_ends.size();
-  const auto [numbers, unnamed] = patch_array.empty()
-                                      ? known_patches(path, arrays, !mesh.info.patches.empty(), context)
-                                      : patches_by(path, arrays, patch_array);
+  const PatchNumbers patches = patch_array.empty()
+                                   ? known_patches(path, arrays, !mesh.info.patches.empty(), context)
+                                   : patches_by(path, arrays, patch_array);
+  const std::optional<std::vector<std::int64_t>>& numbers = patches.of_cell;
   if (numbers && numbers->size() < cells) fail(path, "does not hold as many patches as polygons");
   std::size_t cell = polygons.cells_before;
   const auto next_patch = [&] {
@@ -120,7 +121,7 @@ void add_polygons(const std::filesystem::path& path, const Polygons& polygons, c
       add_vtk_cell<std::int64_t>(path, kVtkTriangle, corners, patch, mesh);
     }
   });
-  complete_patches(path, mesh, unnamed);
+  complete_patches(path, mesh, patches.unnamed);
 }
 
 }  // namespace lumesh::io
