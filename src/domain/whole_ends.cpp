@@ -47,8 +47,6 @@ class EndPieces {
   /// Triangles of ends that are no region; none is in two.
   [[nodiscard]] std::vector<std::vector<std::uint32_t>> find() {
     constexpr int kMaxTries = 64;  // Each looks at the whole surface.
-    if (!steps_of_voxels(region_shapes(surface_, regions_), [](std::uint32_t) { return false; }).empty())
-      return {};
     std::vector<std::vector<std::uint32_t>> found;
     std::vector<std::uint8_t> is_taken(surface_.triangles.size(), 0);
     int tries = 0;
@@ -66,6 +64,8 @@ class EndPieces {
       for (const std::uint32_t t : end) is_taken[t] = 1;
       found.push_back(std::move(end));
     }
+    const auto is_cap = [](std::uint32_t) { return false; };
+    if (!found.empty() && !steps_of_voxels(region_shapes(surface_, regions_), is_cap).empty()) return {};
     return found;
   }
 

@@ -13,7 +13,7 @@ namespace lumesh::field {
 namespace {
 
 constexpr double kMinLabelVoxels = 100;
-constexpr std::size_t kMaxLabelFaces = 30000;
+constexpr std::size_t kMaxLabelFaces = 5000;
 constexpr double kMinAxisShare = 0.1;                            // of the faces, along an axis
 constexpr double kAllowedExcess = 0.0125, kLeftExcess = 0.0075;  // of the volume
 constexpr double kMaxVolumeShift = 0.15;                         // voxels, in one round

@@ -15,7 +15,7 @@ namespace lumesh::field {
 class LabelVolumes {
  public:
   /// Takes labels of 100 voxels or more, but for tubes along an axis, whose slices are all alike: the number
-  /// of their voxels is chance. None of more than 30,000 faces, whose deviations are small, and none if
+  /// of their voxels is chance. None of more than 5,000 faces, whose deviations are small, and none if
   /// values place the outer wall. Cost: linear in the faces of these labels and their boxes.
   LabelVolumes(const LabelImage& image, std::span<const PairFaces> pairs);
 

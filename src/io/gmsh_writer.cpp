@@ -101,6 +101,27 @@ class GmshWriter {
                 tag);
   }
 
+  /// The cells that may have one of the mesh's faces.
+  [[nodiscard]] MixedMesh cells_at_faces() const {
+    std::vector<std::uint8_t> is_at_face(mesh_.points.size(), 0);
+    for (const CellBlock& block : face_blocks(mesh_))
+      for (const std::uint32_t v : block.vertices) is_at_face[v] = 1;
+    MixedMesh near;
+    near.points.assign(mesh_.points.begin(), mesh_.points.end());
+    const auto add = [&](const auto& cells, std::span<const Label> labels, auto& to, auto& to_labels) {
+      for (std::size_t c = 0; c < cells.size(); ++c) {
+        if (std::ranges::count_if(cells[c], [&](std::uint32_t v) { return is_at_face[v] != 0; }) < 3)
+          continue;
+        to.push_back(cells[c]);
+        to_labels.push_back(labels[c]);
+      }
+    };
+    add(mesh_.tetrahedra, mesh_.tetrahedron_labels, near.tetrahedra, near.tetrahedron_labels);
+    add(mesh_.pyramids, mesh_.pyramid_labels, near.pyramids, near.pyramid_labels);
+    add(mesh_.prisms, mesh_.prism_labels, near.prisms, near.prism_labels);
+    add(mesh_.hexahedra, mesh_.hexahedron_labels, near.hexahedra, near.hexahedron_labels);
+    return near;
+  }
   /// Patches around each label, negative where their faces point into it. One patch may have faces of several
   /// labels, as an opening of a lumen and its layers.
   [[nodiscard]] std::map<Label, std::set<std::int64_t>> surfaces_by_label() const {
@@ -109,7 +130,8 @@ class GmshWriter {
       for (const auto& [patch, box] : surfaces_) result[volumes_.begin()->first].insert(patch + 1);
       return result;
     }
-    const CellSides sides(mesh_);
+    const MixedMesh near = cells_at_faces();
+    const CellSides sides(near.view());
     const auto add = [&](const FaceCorners& face, std::int32_t patch) {
       for (const CellSide& side : sides.find(face))
         result[sides.label(side)].insert(are_opposite(face, sides.outward(side)) ? -(patch + 1) : patch + 1);
