@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kMinLabelVoxels = 100;
 constexpr std::size_t kMaxLabelFaces = 5000;
+constexpr double kMinVoxelsPerFace = 0.6;                        // sheets of one voxel have half a voxel
 constexpr double kMinAxisShare = 0.1;                            // of the faces, along an axis
 constexpr double kAllowedExcess = 0.0125, kLeftExcess = 0.0075;  // of the volume
 constexpr double kMaxVolumeShift = 0.15;                         // voxels, in one round
@@ -77,7 +78,7 @@ double kept_voxels(const LabelImage& image, LabelIndex label, const LabelFaces& 
   double count = 0;
   for_each_place(faces.voxels.low, faces.voxels.high,
                  [&](const Index3& voxel) { count += image.at(voxel) == label ? 1 : 0; });
-  return count >= kMinLabelVoxels ? count : 0;
+  return count >= std::max(kMinLabelVoxels, kMinVoxelsPerFace * static_cast<double>(all)) ? count : 0;
 }
 
 }  // namespace

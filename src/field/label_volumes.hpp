@@ -15,8 +15,9 @@ namespace lumesh::field {
 class LabelVolumes {
  public:
   /// Takes labels of 100 voxels or more, but for tubes along an axis, whose slices are all alike: the number
-  /// of their voxels is chance. None of more than 5,000 faces, whose deviations are small, and none if
-  /// values place the outer wall. Cost: linear in the faces of these labels and their boxes.
+  /// of their voxels is chance, and sheets of one voxel, which would get holes. None of more than 5,000
+  /// faces, whose deviations are small, and none if values place the outer wall. Cost: linear in the faces of
+  /// these labels and their boxes.
   LabelVolumes(const LabelImage& image, std::span<const PairFaces> pairs);
 
   [[nodiscard]] bool is_empty() const { return voxels_.empty(); }
