@@ -1,7 +1,6 @@
 // Legacy VTK of versions 1.0 to 5.1, text or binary, also gzipped.
 #include <fmt/format.h>
 
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -17,6 +16,7 @@
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
 #include "metric_tensors.hpp"
+#include "number_of_bits.hpp"
 #include "point_arrays.hpp"
 #include "polygons.hpp"
 #include "unpacked_file.hpp"
@@ -183,12 +183,8 @@ class LegacyReader {
   static double number_at(const char* bytes, const std::string& type, std::size_t size) {
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < size; ++i) bits = bits << 8 | static_cast<unsigned char>(bytes[i]);
-    if (type == "double") return std::bit_cast<double>(bits);
-    if (type == "float") return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
-    if (type.starts_with("unsigned") || type == "vtktypeuint64") return static_cast<double>(bits);
-    if (size == 8) return static_cast<double>(static_cast<std::int64_t>(bits));
-    const unsigned shift = 64 - 8 * static_cast<unsigned>(size);
-    return static_cast<double>(static_cast<std::int64_t>(bits << shift) >> shift);
+    const bool is_unsigned = type.starts_with("unsigned") || type == "vtktypeuint64";
+    return number_of_bits(bits, size, type == "double" || type == "float", !is_unsigned);
   }
 
   /// A number that an array index or a type can be; readers of damaged files meet infinities.

@@ -45,6 +45,13 @@ class MeshBuilder {
                 [&](auto& cells, auto& tags) { add(corners, small_tag, cells, tags); });
   }
 
+  /// Adds a face of three corners or more: a quadrilateral as it is, others as a fan of triangles.
+  void add_polygon(std::span<const std::int64_t> corners, std::int64_t tag) {
+    if (corners.size() == 4) return add_cell(CellShape::kQuadrilateral, corners, tag);
+    for (std::size_t k = 2; k < corners.size(); ++k)
+      add_cell(CellShape::kTriangle, {{corners[0], corners[k - 1], corners[k]}}, tag);
+  }
+
   void name_patch(std::int64_t tag, std::string name) { patch_names_[tag] = std::move(name); }
   void name_label(Label label, std::string name) { label_names_[label] = std::move(name); }
   /// What a comment of ours says; its patches hold where the face tags are patch id + 1.

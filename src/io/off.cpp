@@ -62,16 +62,13 @@ class OffReader {
     return value;
   }
 
-  /// As a fan of triangles, a quadrilateral as it is.
   void read_polygon() {
     next_line();
     const std::int64_t size = integer("a polygon's number of corners");
     std::vector<std::int64_t> corners;
     for (std::int64_t k = 0; k < size; ++k) corners.push_back(integer("a corner"));
     if (size < 3) fail_here(kFewCorners);
-    if (size == 4) return builder_.add_cell(CellShape::kQuadrilateral, corners, 0);
-    for (std::size_t k = 2; k < corners.size(); ++k)
-      builder_.add_cell(CellShape::kTriangle, {{corners[0], corners[k - 1], corners[k]}}, 0);
+    builder_.add_polygon(corners, 0);
   }
 
   const std::filesystem::path& path_;

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
+#include <iterator>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "lumesh/mesh/patch_list.hpp"
 #include "mesh_builder.hpp"
 #include "mesh_formats.hpp"
+#include "number_of_bits.hpp"
 #include "unpacked_file.hpp"
 
 namespace lumesh::io {
@@ -83,13 +85,8 @@ class PlyReader {
     return line;
   }
   static std::vector<std::string> words_of(std::string_view line) {
-    std::vector<std::string> words;
-    for (std::size_t at = line.find_first_not_of(" \t"); at != std::string_view::npos;) {
-      const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
-      words.emplace_back(line.substr(at, end - at));
-      at = line.find_first_not_of(" \t", end);
-    }
-    return words;
+    std::istringstream words{std::string(line)};
+    return {std::istream_iterator<std::string>(words), {}};
   }
 
   void read_header() {
@@ -142,12 +139,7 @@ class PlyReader {
       bits = bits << 8 | static_cast<unsigned char>(content_[at_ + place]);
     }
     at_ += type.bytes;
-    if (type.is_real)
-      return type.bytes == 8 ? std::bit_cast<double>(bits)
-                             : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
-    const unsigned shift = 64 - 8 * static_cast<unsigned>(type.bytes);
-    return type.is_signed ? static_cast<double>(static_cast<std::int64_t>(bits << shift) >> shift)
-                          : static_cast<double>(bits);
+    return number_of_bits(bits, type.bytes, type.is_real, type.is_signed);
   }
   double number_in_text() {
     at_ = std::min(content_.find_first_not_of(" \t\r\n", at_), content_.size());
@@ -209,7 +201,6 @@ class PlyReader {
       }
     return element.count > 0;
   }
-  /// Polygons become fans of triangles, a quadrilateral stays as it is.
   void read_polygon(const PlyProperty& property) {
     std::vector<std::int64_t> corners(list_size(property));
     for (std::int64_t& corner : corners) {
@@ -218,9 +209,7 @@ class PlyReader {
       corner = static_cast<std::int64_t>(value);
     }
     if (corners.size() < 3) fail(kFewCorners);
-    if (corners.size() == 4) return builder_.add_cell(CellShape::kQuadrilateral, corners, 0);
-    for (std::size_t k = 2; k < corners.size(); ++k)
-      builder_.add_cell(CellShape::kTriangle, {{corners[0], corners[k - 1], corners[k]}}, 0);
+    builder_.add_polygon(corners, 0);
   }
 
   const std::filesystem::path& path_;
