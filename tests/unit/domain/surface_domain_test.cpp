@@ -319,8 +319,8 @@ TriangleSoup tube_with_ragged_rims(std::uint32_t around, double length_mm = 8) {
 // As a sac drawn around a few slices of voxels: what is behind its flat sides are its other sides.
 TEST(SurfaceDomain, RaggedSidesOfADiscAreNoEnds) {
   const double side_mm2 = 4 * std::numbers::pi;
-  for (const FlatEnd& end : SurfaceDomain(tube_with_ragged_rims(48, 1).view()).flat_ends())
-    EXPECT_LT(end.area_mm2, 0.8 * side_mm2);
+  const SurfaceDomain disc(tube_with_ragged_rims(48, 1).view());
+  for (const FlatEnd& end : disc.flat_ends()) EXPECT_LT(end.area_mm2, 0.8 * side_mm2);
 }
 
 // Sharp edges between the triangles of its fan made an end several openings, or none.
