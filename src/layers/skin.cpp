@@ -7,7 +7,8 @@
 namespace lumesh::layers {
 namespace {
 
-/// The outer skin, the surface under it and the rest of the outside, as triangles in space.
+/// The outer skin, its sides at the rim, the surface under it and the rest of the outside, as triangles in
+/// space.
 class Skin {
  public:
   Skin(const ExtrusionFrame& frame, const Columns& columns) : surface_(frame.surface) {
@@ -18,19 +19,17 @@ class Skin {
       const Cell<3>& c = surface_.triangles[t];
       has_layers_[t] =
           std::ranges::any_of(c, [&](std::uint32_t v) { return columns.fraction[v] > 0; }) ? 1 : 0;
-      triangles_.push_back(c);
-      columns_.push_back({surface_.vertices[c[0]], surface_.vertices[c[1]], surface_.vertices[c[2]]});
+      add(c, c);
+      feet_.push_back(c);
     }
   }
 
-  /// Adds the outside, which must not be cut either.
-  void add_outside(const TetMesh& mesh) {
+  /// Adds the sides over the rim, and the outside, which must not be cut either.
+  void add_sides_and_outside(const TetMesh& mesh, const Columns& columns) {
+    add_sides(columns);
     const auto base = static_cast<std::uint32_t>(points_.size());
     points_.insert(points_.end(), surface_.points.begin(), surface_.points.end());
-    for (const Cell<3>& c : surface_.triangles) {
-      triangles_.push_back({c[0] + base, c[1] + base, c[2] + base});
-      columns_.push_back({surface_.vertices[c[0]], surface_.vertices[c[1]], surface_.vertices[c[2]]});
-    }
+    for (const Cell<3>& c : surface_.triangles) add({c[0] + base, c[1] + base, c[2] + base}, c);
     for (const Cell<3>& c : surface_.others) {
       const auto first = static_cast<std::uint32_t>(points_.size());
       for (const std::uint32_t v : c) points_.push_back(mesh.point(VertexId(v)));
@@ -43,17 +42,35 @@ class Skin {
   [[nodiscard]] std::vector<std::uint8_t> columns_that_cut() const {
     const TriangleTree tree(points_, triangles_);
     std::vector<std::uint8_t> flags(surface_.points.size(), 0);
-    parallel::for_each_index(surface_.triangles.size(), 64, [&](std::size_t t) {
+    parallel::for_each_index(has_layers_.size(), 64, [&](std::size_t t) {
       if (has_layers_[t] == 0) return;
       for (const std::uint32_t other : cut_by(tree, static_cast<std::uint32_t>(t))) {
         raise_at(t, flags);
-        if (other < surface_.triangles.size()) raise_at(other, flags);
+        if (other < has_layers_.size()) raise_at(other, flags);
       }
     });
     return flags;
   }
 
  private:
+  /// @param feet  Their columns' numbers in the surface.
+  void add(const Cell<3>& corners, const Cell<3>& feet) {
+    triangles_.push_back(corners);
+    columns_.push_back({surface_.vertices[feet[0]], surface_.vertices[feet[1]], surface_.vertices[feet[2]]});
+  }
+  void add_sides(const Columns& columns) {
+    const auto base = static_cast<std::uint32_t>(points_.size());
+    points_.insert(points_.end(), surface_.points.begin(), surface_.points.end());
+    for (const auto& [a, b, patch] : surface_.rim) {
+      if (columns.fraction[a] > 0) add_side({a + base, b + base, a}, {a, b, a});
+      if (columns.fraction[b] > 0) add_side({b + base, b, columns.fraction[a] > 0 ? a : a + base}, {b, b, a});
+    }
+  }
+  void add_side(const Cell<3>& corners, const Cell<3>& feet) {
+    add(corners, feet);
+    has_layers_.push_back(1);
+    feet_.push_back(feet);
+  }
   [[nodiscard]] std::vector<std::uint32_t> cut_by(const TriangleTree& tree, std::uint32_t t) const {
     const auto corner = [&](std::uint32_t of, std::size_t k) -> const Vec3& {
       return points_[triangles_[of][k]];
@@ -63,8 +80,7 @@ class Skin {
     std::vector<std::uint32_t> found = tree.overlapping(low, high);
     std::erase_if(found, [&](std::uint32_t other) {
       if (other == t) return true;
-      if (other < surface_.triangles.size() && has_layers_[other] == 0)
-        return true;  // It is the surface there.
+      if (other < has_layers_.size() && has_layers_[other] == 0) return true;  // It is the surface there.
       const std::array<Vec3, 3> a = {corner(t, 0), corner(t, 1), corner(t, 2)},
                                 b = {corner(other, 0), corner(other, 1), corner(other, 2)};
       return shares_column(t, other) ? !meet_around_corner(a, b) : !triangles_meet(a, b);
@@ -92,14 +108,15 @@ class Skin {
            segment_meets_triangle(b[next(of_b, 1)], b[next(of_b, 2)], a[0], a[1], a[2]);
   }
   void raise_at(std::size_t t, std::vector<std::uint8_t>& flags) const {
-    for (const std::uint32_t v : surface_.triangles[t]) parallel::raise(flags[v]);
+    for (const std::uint32_t v : feet_[t]) parallel::raise(flags[v]);
   }
 
   const LayerSurface& surface_;
   std::vector<Vec3> points_;
-  std::vector<Cell<3>> triangles_;  // Of the skin, then of the surface, then of the rest.
-  std::vector<Cell<3>> columns_;    // The mesh's vertices under the corners.
-  std::vector<std::uint8_t> has_layers_;
+  std::vector<Cell<3>> triangles_;        // Of the skin, the sides, then of the surface, then of the rest.
+  std::vector<Cell<3>> columns_;          // The mesh's vertices under the corners.
+  std::vector<Cell<3>> feet_;             // Of the skin and the sides: their columns' numbers in the surface.
+  std::vector<std::uint8_t> has_layers_;  // Of these, too.
 };
 
 }  // namespace
@@ -109,7 +126,7 @@ void keep_skin_simple(const ExtrusionFrame& frame, const TetMesh* outside, Colum
   constexpr int kPatientRounds = 12;
   for (int round = 0;; ++round) {  // Ends: as for cells.
     Skin skin(frame, columns);
-    if (outside != nullptr) skin.add_outside(*outside);
+    if (outside != nullptr) skin.add_sides_and_outside(*outside, columns);
     const std::vector<std::uint8_t> cuts = skin.columns_that_cut();
     if (std::ranges::find(cuts, 1) == cuts.end()) return;
     const double factor = round < kPatientRounds ? kShorter : 0;

@@ -69,12 +69,12 @@ class LayersTest(MeshTest):
         write_medit(self.mesh, points, tetrahedra, triangles)
 
     def test_the_outer_surface_does_not_fold_around_a_corner(self):
-        # Between layers and a ridge without them, triangles with one corner in common crossed.
-        for seed, height in ((288, 0.2), (288, 0.25)):
+        # Between layers and a ridge without them, triangles with one corner in common crossed; then sides over the rim did.
+        for seed, edge, height in ((288, 2.6, 0.2), (288, 2.6, 0.25), (45, 3.1, 0.15)):
             with self.subTest(seed=seed, height=height):
                 image, base = self.folder / "ball.nrrd", self.folder / "ball.vtu"
                 write_parted_ball(image, seed)
-                self.run_well("lattice", image, "-o", base, "--edge-length", 2.6)
+                self.run_well("lattice", image, "-o", base, "--edge-length", edge)
                 result = self.run_lumesh("layers", base, "--first-height", height, "--count", 4, "-o", self.out)
                 self.assertNotIn("invalid", result.stderr)
                 self.assertTrue(self.out.exists())
