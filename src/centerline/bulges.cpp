@@ -11,6 +11,8 @@ constexpr double kBulge = 1.4;
 constexpr double kBulgeReach = 4;
 /// A bulge goes on to where the radius is within this of the vessel's.
 constexpr double kBase = 1.08;
+/// A fitted tube that is this much wider at its end was drawn into a sac.
+constexpr double kDrawn = 1.25;
 
 struct Stretch {
   std::size_t begin;  ///< Last good point before,
@@ -93,6 +95,20 @@ Tube without_bulges(const Lumen& lumen, const Tube& tube) {
     if (bulge.end < tube.size()) keep_until(bulge.end + 1);
   }
   return out;
+}
+
+std::size_t clear_of_sac(const Tube& tube) {
+  const double gap = mean_gap(tube);
+  const auto reach = [&](std::size_t at, double radii) {
+    return static_cast<std::ptrdiff_t>(radii * tube.radii[at] / gap);
+  };
+  const auto flare = [&](std::size_t at) {
+    return tube.radii[at] / narrowest(tube, at, reach(at, kBulgeReach), 1);
+  };
+  if (flare(0) < kDrawn) return 0;
+  std::size_t at = 0;
+  while (at + 1 < tube.size() && flare(at) > kBase) ++at;
+  return std::min(tube.size() - 1, at + static_cast<std::size_t>(reach(at, 1)));
 }
 
 std::size_t end_of_first_bulge(const Tube& tube, double voxel_mm) {

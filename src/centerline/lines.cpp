@@ -65,7 +65,14 @@ class LineMaker {
       leave_parent(tube, path.last.path);
       tube.reverse();
     }
-    return with_way_inside(inscribed(lumen_, fitted(lumen_, without_bulges(lumen_, tube))), tube);
+    Tube fine = with_way_inside(inscribed(lumen_, fitted(lumen_, without_bulges(lumen_, tube))), tube);
+    if (path.first.path >= 0) leave_sac(fine, path.first.path);
+    if (path.last.path >= 0 && !path.closed) {
+      fine.reverse();
+      leave_sac(fine, path.last.path);
+      fine.reverse();
+    }
+    return fine;
   }
 
   /// Where a fit has left the lumen, in vessels too thin or too crooked for a tube, the voxels' way takes its
@@ -112,6 +119,16 @@ class LineMaker {
     from = std::min(from, tube.size() - std::min<std::size_t>(tube.size(), 3));
     tube.cut(from, tube.size());
     tube.cut(std::min(end_of_first_bulge(tube, lumen_.voxel_mm()), tube.size() - 3), tube.size());
+  }
+
+  /// Cuts off the first points of a fitted branch where these are of a sac at its mouth: wider than the
+  /// parent.
+  void leave_sac(Tube& tube, int parent) const {
+    constexpr double kWider = 1.2;
+    const Tube& outer = tubes_[static_cast<std::size_t>(parent)];
+    const ClosestPoint closest = nearest_point(outer, tube.centres.front());
+    if (tube.size() < 3 || tube.radii.front() < kWider * outer.radii[closest.at]) return;
+    tube.cut(std::min(clear_of_sac(tube), tube.size() - 3), tube.size());
   }
 
   /// To the openings or the lines that it joins, with the points asked for.

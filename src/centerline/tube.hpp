@@ -56,6 +56,10 @@ struct Tube {
 /// First point that no longer lies in a bulge that the tube begins with.
 [[nodiscard]] std::size_t end_of_first_bulge(const Tube& tube, double voxel_mm);
 
+/// First point of a fitted tube that begins in a sac where the sac draws neither its radius nor its
+/// direction.
+[[nodiscard]] std::size_t clear_of_sac(const Tube& tube);
+
 /// Moves centres and radii so that the tube follows the wall, however much of it is missing at sacs and at
 /// the mouths of branches: at each point rays across the tube find the wall, least squares with weights that
 /// fade for rays that end far beyond the tube (Geman and McClure 1987), narrower from round to round, and a
