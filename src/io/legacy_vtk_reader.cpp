@@ -286,10 +286,9 @@ class LegacyReader {
       polygons_.cells_before += cells;
       return;
     }
-    const bool is_strips = word == "TRIANGLE_STRIPS";
-    (is_strips ? polygons_.strip_corners : polygons_.corners) = integers(connectivity_);
-    std::vector<std::int64_t>& ends = is_strips ? polygons_.strip_ends : polygons_.ends;
-    for (std::size_t c = 0; c < cells; ++c) ends.push_back(static_cast<std::int64_t>(offsets_[c + 1]));
+    CellCorners& all = word == "TRIANGLE_STRIPS" ? polygons_.strips : polygons_.polygons;
+    all.corners = integers(connectivity_);
+    for (std::size_t c = 0; c < cells; ++c) all.ends.push_back(static_cast<std::int64_t>(offsets_[c + 1]));
   }
 
   void read_cells() {

@@ -1,10 +1,13 @@
 // Medit .mesh, as its programs (Mmg, FreeFEM, Gmsh) write it; counts from 1.
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cctype>
+#include <span>
 #include <string>
 
 #include "cell_blocks.hpp"
+#include "medit_rows.hpp"
 #include "mesh_builder.hpp"
 #include "mesh_formats.hpp"
 #include "mesh_info_json.hpp"
@@ -38,39 +41,6 @@ MeshInfo read_info(std::string_view text) {
   return info_from_json(json);
 }
 
-void write_block(OutputFile& file, const CellBlock& block, std::int32_t tag_offset) {
-  if (block.size() == 0) return;
-  file.print("{}\n{}\n", names_of(block.shape).medit_keyword, block.size());
-  for (std::size_t i = 0; i < block.size(); ++i) {
-    for (std::size_t k = 0; k < block.corners; ++k)
-      file.print("{} ", std::uint64_t{block.corner_of_gmsh(i, k)} + 1);
-    file.print("{}\n", std::int64_t{block.tags[i]} + tag_offset);
-  }
-}
-
-void read_vertices(TextScanner& scanner, MeshBuilder& builder) {
-  const std::size_t count = scanner.count("the number of vertices", 4);
-  for (std::size_t i = 0; i < count; ++i) {
-    Vec3 point;
-    for (double& x : point) x = scanner.real("a coordinate");
-    scanner.integer("a vertex reference");
-    builder.add_point(point);
-  }
-}
-
-void read_cells(TextScanner& scanner, const ShapeNames& section, MeshBuilder& builder) {
-  const std::size_t count = scanner.count("the number of cells", section.corners + 1);
-  std::array<std::int64_t, 8> corners{};
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t k = 0; k < section.corners; ++k) {
-      corners[k] = scanner.integer("a vertex number");
-      if (corners[k] < 1) scanner.fail("vertex numbers start at 1");
-      --corners[k];
-    }
-    builder.add_cell(section.shape, {corners.data(), section.corners}, scanner.integer("a reference"));
-  }
-}
-
 /// Sections we do not know: numbers up to the next keyword.
 void skip_section(TextScanner& scanner, std::string_view keyword) {
   if (keyword.ends_with("P2"))
@@ -90,8 +60,12 @@ void write_medit_ascii(const std::filesystem::path& path, const MeshView& mesh) 
   write_info(file, *mesh.info);
   file.print("Vertices\n{}\n", mesh.points.size());
   for (const Vec3& p : mesh.points) file.print("{} {} {} 0\n", p.x(), p.y(), p.z());
-  for (const CellBlock& block : face_blocks(mesh)) write_block(file, block, 1);
-  for (const CellBlock& block : volume_blocks(mesh)) write_block(file, block, 0);
+  for_each_medit_row<std::int64_t>(
+      mesh,
+      [&](const CellBlock& block) {
+        file.print("{}\n{}\n", names_of(block.shape).medit_keyword, block.size());
+      },
+      [&](std::span<const std::int64_t> row) { file.print("{}\n", fmt::join(row, " ")); });
   file.print("End\n");
   file.commit();
 }
@@ -106,9 +80,10 @@ MixedMesh read_medit_ascii(const std::filesystem::path& path) {
     if (keyword == "Dimension") {
       if (scanner.integer("the dimension") != 3) scanner.unsuitable("only meshes of dimension 3 can be read");
     } else if (keyword == "Vertices") {
-      read_vertices(scanner, builder);
+      read_medit_vertices(scanner, scanner.count("the number of vertices", 4), builder);
     } else if (const ShapeNames* section = find_shape(&ShapeNames::medit_keyword, keyword)) {
-      read_cells(scanner, *section, builder);
+      const std::size_t count = scanner.count("the number of cells", section->corners + 1);
+      read_medit_cells(scanner, *section, count, builder);
     } else {
       skip_section(scanner, keyword);
     }

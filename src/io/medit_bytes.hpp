@@ -59,9 +59,13 @@ class MeditByteReader {
   std::size_t count(std::size_t row_bytes);
   /// 32 bits in every version: keywords, kinds of fields.
   std::int32_t small_integer() { return number<std::int32_t>(); }
-  /// As wide as the version has counts and references.
-  std::int64_t integer() { return version_ == 4 ? number<std::int64_t>() : number<std::int32_t>(); }
-  double real() { return version_ == 1 ? static_cast<double>(number<float>()) : number<double>(); }
+  /// As wide as the version has counts and references. Names of what is read are for texts, which say lines.
+  std::int64_t integer(std::string_view /*what*/ = {}) {
+    return version_ == 4 ? number<std::int64_t>() : number<std::int32_t>();
+  }
+  double real(std::string_view /*what*/ = {}) {
+    return version_ == 1 ? static_cast<double>(number<float>()) : number<double>();
+  }
   [[nodiscard]] std::size_t integer_bytes() const {
     return version_ == 4 ? sizeof(std::int64_t) : sizeof(std::int32_t);
   }

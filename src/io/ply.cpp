@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <iterator>
-#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>

@@ -12,30 +12,10 @@
 #include "format_table.hpp"
 #include "lumesh/core/trimmed.hpp"
 #include "mesh_formats.hpp"
-#include "point_arrays.hpp"
 #include "text_scanner.hpp"
 #include "text_table.hpp"
 
 namespace lumesh {
-
-namespace io {
-
-void keep_point_array(const std::filesystem::path& path, const std::string& name,
-                      std::span<const double> values, std::size_t components, PointData& data) {
-  if (values.size() != components * data.points.size())
-    fail(path, fmt::format("array {} has {} values for {} points of {} components", name, values.size(),
-                           data.points.size(), components));
-  if (components == 1) {
-    data.scalars[name].assign(values.begin(), values.end());
-    return;
-  }
-  std::vector<Vec3>& vectors = data.vectors[name];
-  vectors.clear();
-  for (std::size_t i = 0; i < values.size(); i += 3)
-    vectors.emplace_back(values[i], values[i + 1], values[i + 2]);
-}
-
-}  // namespace io
 
 namespace {
 

@@ -66,18 +66,6 @@ PatchNumbers patches_by(const std::filesystem::path& path, const CellArrays& arr
   return numbers;
 }
 
-/// Calls visit(corners) for each of the cells that end at `ends`.
-template <class Visit>
-void for_each_cell(const std::filesystem::path& path, std::span<const std::int64_t> corners,
-                   std::span<const std::int64_t> ends, const Visit& visit) {
-  std::int64_t begin = 0;
-  for (const std::int64_t end : ends) {
-    if (end < begin || end > std::ssize(corners)) fail(path, "its polygon offsets are damaged");
-    visit(corners.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin)));
-    begin = end;
-  }
-}
-
 }  // namespace
 
 void complete_patches(const std::filesystem::path& path, MixedMesh& mesh, const std::string& unnamed) {
@@ -95,8 +83,9 @@ void complete_patches(const std::filesystem::path& path, MixedMesh& mesh, const 
 void add_polygons(const std::filesystem::path& path, const Polygons& polygons, const CellArrays& arrays,
                   const std::string& patch_array, const Context& context, MixedMesh& mesh) {
   if (!patch_array.empty() && patch_array != "patch") mesh.info.patches.clear();
-  if (polygons.ends.empty() && polygons.strip_ends.empty()) fail(path, "holds no polygon");
-  const std::size_t cells = polygons.cells_before + polygons.ends.size() + polygons.strip_ends.size();
+  if (polygons.polygons.ends.empty() && polygons.strips.ends.empty()) fail(path, "holds no polygon");
+  const std::size_t cells =
+      polygons.cells_before + polygons.polygons.ends.size() + polygons.strips.ends.size();
   const PatchNumbers patches = patch_array.empty()
                                    ? known_patches(path, arrays, !mesh.info.patches.empty(), context)
                                    : patches_by(path, arrays, patch_array);
@@ -109,12 +98,12 @@ void add_polygons(const std::filesystem::path& path, const Polygons& polygons, c
     return static_cast<std::int32_t>(patch);
   };
   constexpr std::int64_t kVtkTriangle = 5, kVtkQuadrilateral = 9;
-  for_each_cell(path, polygons.corners, polygons.ends, [&](std::span<const std::int64_t> corners) {
+  for_each_cell(path, polygons.polygons, [&](std::span<const std::int64_t> corners) {
     if (corners.size() != 3 && corners.size() != 4)
       fail(path, "holds polygons that are neither triangles nor quadrilaterals");
     add_vtk_cell(path, corners.size() == 3 ? kVtkTriangle : kVtkQuadrilateral, corners, next_patch(), mesh);
   });
-  for_each_cell(path, polygons.strip_corners, polygons.strip_ends, [&](std::span<const std::int64_t> strip) {
+  for_each_cell(path, polygons.strips, [&](std::span<const std::int64_t> strip) {
     const std::int32_t patch = next_patch();
     for (std::size_t i = 0; i + 2 < strip.size(); ++i) {
       const std::array<std::int64_t, 3> corners = {strip[i], strip[i + 1 + i % 2], strip[i + 2 - i % 2]};

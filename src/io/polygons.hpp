@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "file_fault.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
@@ -20,11 +22,27 @@ struct CellArrays {
   std::vector<std::string> names;
 };
 
-/// Cells of PolyData: corners one polygon after the other, and where each polygon ends.
-struct Polygons {
+/// Corners one cell after the other, and where each cell's end.
+struct CellCorners {
   std::vector<std::int64_t> corners, ends;
-  std::vector<std::int64_t> strip_corners,
-      strip_ends;                ///< Strips of triangles, which come after the polygons.
+};
+
+/// Calls visit(corners) for each cell of a file, in their order.
+template <class Visit>
+void for_each_cell(const std::filesystem::path& path, const CellCorners& cells, const Visit& visit) {
+  const std::span<const std::int64_t> corners = cells.corners;
+  std::int64_t begin = 0;
+  for (const std::int64_t end : cells.ends) {
+    if (end < begin || end > std::ssize(corners)) fail(path, kBadOffsets);
+    visit(corners.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin)));
+    begin = end;
+  }
+}
+
+/// Cells of PolyData.
+struct Polygons {
+  CellCorners polygons;
+  CellCorners strips;            ///< Strips of triangles, which come after the polygons.
   std::size_t cells_before = 0;  ///< Vertices and lines, which cell arrays have first.
 };
 

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include "file_fault.hpp"
+#include "lumesh/io/file_formats.hpp"
+#include "point_arrays.hpp"
+#include "polygons.hpp"
 #include "vtk_xml_reader.hpp"
 #include "vtk_xml_writer.hpp"
 
@@ -17,10 +20,7 @@ void write_lines(io::VtkXmlWriter& writer, const Polylines& lines) {
     vertices.insert(vertices.end(), line.begin(), line.end());
     ends.push_back(static_cast<std::int64_t>(vertices.size()));
   }
-  writer.print("<Lines>\n");
-  writer.numbers("connectivity", vertices);
-  writer.numbers("offsets", ends);
-  writer.print("</Lines>\n");
+  writer.cells("Lines", vertices, ends);
 }
 
 void check_arrays(const std::filesystem::path& path, const Polylines& lines) {
@@ -40,9 +40,9 @@ void write_polylines(const std::filesystem::path& path, const Polylines& lines, 
   io::VtkXmlWriter writer(path, "PolyData");
   writer.print("<FieldData>\n");
   writer.info_arrays(info);
-  writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" ",
-               lines.points.size(), lines.lines.size());
-  writer.print("NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData>\n");
+  writer.print("</FieldData>\n");
+  writer.begin_poly_data(lines.points.size(), lines.lines.size(), 0);
+  writer.print("<PointData>\n");
   for (const auto& [name, values] : lines.scalars) writer.numbers(name, values);
   for (const auto& [name, values] : lines.vectors) writer.vectors(name, values);
   writer.print("</PointData>\n");
@@ -56,36 +56,16 @@ Polylines read_polylines(const std::filesystem::path& path) {
   io::check_file(path);
   const io::VtkXmlReader file(path, "PolyData");
   Polylines lines;
-  const std::vector<double> xyz =
-      file.doubles(file.piece().child("Points").child("DataArray"), "point coordinates");
-  if (xyz.size() != 3 * file.count("NumberOfPoints")) file.fail(io::kFewPoints);
-  for (std::size_t i = 0; i < xyz.size(); i += 3) lines.points.emplace_back(xyz[i], xyz[i + 1], xyz[i + 2]);
-  const pugi::xml_node node = file.piece().child("Lines");
-  const auto corners = file.integers(io::VtkXmlReader::find_array(node, "connectivity"), "line connectivity");
-  const auto ends = file.integers(io::VtkXmlReader::find_array(node, "offsets"), "line offsets");
-  std::int64_t begin = 0;
-  for (const std::int64_t end : ends) {
-    if (end < begin || end > static_cast<std::int64_t>(corners.size()))
-      file.fail("its line offsets are damaged");
+  lines.points = file.points();
+  io::for_each_cell(path, file.cells("Lines"), [&](std::span<const std::int64_t> corners) {
     std::vector<std::uint32_t>& line = lines.lines.emplace_back();
-    for (; begin < end; ++begin) {
-      const std::int64_t v = corners[static_cast<std::size_t>(begin)];
-      if (v < 0 || v >= static_cast<std::int64_t>(lines.points.size()))
-        file.fail("a line refers to a point that is not there");
+    for (const std::int64_t v : corners) {
+      if (v < 0 || v >= std::ssize(lines.points)) file.fail("a line refers to a point that is not there");
       line.push_back(static_cast<std::uint32_t>(v));
     }
-  }
+  });
   if (lines.lines.empty()) file.fail("holds no line");
-  for (const pugi::xml_node& array : file.piece().child("PointData").children("DataArray")) {
-    const std::string name = array.attribute("Name").value();
-    std::vector<double> values = file.doubles(array, name.c_str());
-    if (values.size() == lines.points.size()) {
-      lines.scalars[name] = std::move(values);
-    } else if (values.size() == 3 * lines.points.size()) {
-      for (std::size_t i = 0; i < values.size(); i += 3)
-        lines.vectors[name].emplace_back(values[i], values[i + 1], values[i + 2]);
-    }
-  }
+  io::keep_point_arrays(file, lines);
   return lines;
 }
 

@@ -88,7 +88,7 @@ FaceFile gather_faces(const MeshView& mesh, const std::vector<FaceOwner>& owners
   }
   for (const std::uint32_t t : triangles) {
     for (const std::uint32_t v : owners[t].outward)
-      file.corners.push_back(static_cast<std::int32_t>(std::ranges::lower_bound(used, v) - used.begin()));
+      file.corners.push_back(static_cast<std::int32_t>(rank_in(used, v)));
     file.element_ids.push_back(static_cast<std::int32_t>(owners[t].cell) + 1);
     file.region_ids.push_back(mesh.tetrahedron_labels[owners[t].cell]);
     file.face_ids.push_back(id_of.at(static_cast<std::size_t>(mesh.triangle_patches[t])));
@@ -98,9 +98,8 @@ FaceFile gather_faces(const MeshView& mesh, const std::vector<FaceOwner>& owners
 
 void write_faces(const fs::path& path, const FaceFile& file) {
   VtkXmlWriter writer(path, "PolyData");
-  writer.print("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" ",
-               file.points.size());
-  writer.print("NumberOfPolys=\"{}\">\n<PointData>\n", file.face_ids.size());
+  writer.begin_poly_data(file.points.size(), 0, file.face_ids.size());
+  writer.print("<PointData>\n");
   writer.numbers("GlobalNodeID", file.node_ids);
   writer.print("</PointData>\n<CellData>\n");
   writer.numbers("GlobalElementID", file.element_ids);
@@ -108,10 +107,8 @@ void write_faces(const fs::path& path, const FaceFile& file) {
   writer.numbers("ModelFaceID", file.face_ids);
   writer.print("</CellData>\n");
   writer.points(file.points);
-  writer.print("<Polys>\n");
-  writer.numbers("connectivity", file.corners);
-  writer.numbers("offsets", cell_ends(file.face_ids.size(), 3));
-  writer.print("</Polys>\n</Piece>\n");
+  writer.cells("Polys", file.corners, cell_ends(file.face_ids.size(), 3));
+  writer.print("</Piece>\n");
   writer.commit();
 }
 

@@ -116,6 +116,24 @@ std::size_t VtkXmlReader::count(const char* attribute) const {
   return static_cast<std::size_t>(n);
 }
 
+std::vector<Vec3> VtkXmlReader::points() const {
+  const std::vector<double> values = doubles(piece_.child("Points").child("DataArray"), "point coordinates");
+  if (values.size() != 3 * count("NumberOfPoints")) fail(kFewPoints);
+  std::vector<Vec3> points(values.size() / 3);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = Vec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+    if (!points[i].allFinite()) fail("point " + std::to_string(i) + " is not finite");
+  }
+  return points;
+}
+
+CellCorners VtkXmlReader::cells(const char* kind) const {
+  const pugi::xml_node node = piece_.child(kind);
+  const std::string name = kind;
+  return {integers(find_array(node, "connectivity"), (name + " connectivity").c_str()),
+          integers(find_array(node, "offsets"), (name + " offsets").c_str())};
+}
+
 std::string_view VtkXmlReader::appended_text(std::size_t offset, const char* what) const {
   if (appended_.data() == nullptr || offset >= appended_.size())
     fail(fmt::format("the data of {} are cut off", what));

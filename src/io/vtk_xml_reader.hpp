@@ -8,6 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "lumesh/core/types.hpp"
+#include "polygons.hpp"
+
 namespace lumesh::io {
 
 /// A parsed file and its arrays on demand. Every failure throws Error{kBadInput} that names the file.
@@ -28,6 +31,10 @@ class VtkXmlReader {
   /// Values of an array. Integers refuse files with fractions; `what` names the array in messages.
   [[nodiscard]] std::vector<double> doubles(const pugi::xml_node& array, const char* what) const;
   [[nodiscard]] std::vector<std::int64_t> integers(const pugi::xml_node& array, const char* what) const;
+  /// The piece's points, finite numbers each.
+  [[nodiscard]] std::vector<Vec3> points() const;
+  /// All cells of a kind of the piece, such as Polys.
+  [[nodiscard]] CellCorners cells(const char* kind) const;
   /// Bytes as text, for arrays that hold characters.
   [[nodiscard]] std::string text(const pugi::xml_node& array) const;
 

@@ -59,6 +59,20 @@ class VtkXmlWriter {
   void begin_cells(std::size_t points, std::size_t cells) {
     print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points, cells);
   }
+  /// Begins what holds the lines or polygons of a file of PolyData.
+  void begin_poly_data(std::size_t points, std::size_t lines, std::size_t polygons) {
+    print("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" ",
+          points, lines);
+    print("NumberOfPolys=\"{}\">\n", polygons);
+  }
+  /// The element `kind`, Lines or Polys: corners of cells, and where each cell's end.
+  template <class Corners>
+  void cells(std::string_view kind, const Corners& corners, const std::vector<std::int64_t>& ends) {
+    print("<{}>\n", kind);
+    numbers("connectivity", corners);
+    numbers("offsets", ends);
+    print("</{}>\n", kind);
+  }
   /// Compresses blocks in parallel; memory: the compressed array.
   void array(const XmlArray& shape, const Fill& fill);
   /// The same of numbers that lie in memory as in the file.

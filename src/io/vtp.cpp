@@ -42,10 +42,9 @@ void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
   VtkXmlWriter writer(path, "PolyData");
   writer.print("<FieldData>\n");
   writer.info_arrays(*mesh.info);
-  writer.print("</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" ",
-               surface.points.size());
-  writer.print("NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n<CellData Scalars=\"patch\">\n",
-               surface.patches.size());
+  writer.print("</FieldData>\n");
+  writer.begin_poly_data(surface.points.size(), 0, surface.patches.size());
+  writer.print("<CellData Scalars=\"patch\">\n");
   writer.numbers("patch", surface.patches);
   if (options.compat == LabelAlias::kSimVascular) {
     const std::vector<std::int32_t> id_of = model_face_ids(mesh.info->patches);
@@ -55,10 +54,8 @@ void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
   }
   writer.print("</CellData>\n");
   writer.points(surface.points);
-  writer.print("<Polys>\n");
-  writer.numbers("connectivity", surface.corners);
-  writer.numbers("offsets", surface.ends);
-  writer.print("</Polys>\n</Piece>\n");
+  writer.cells("Polys", surface.corners, surface.ends);
+  writer.print("</Piece>\n");
   writer.commit();
 }
 

@@ -17,18 +17,6 @@ namespace lumesh::io {
 
 namespace {
 
-std::vector<Vec3> read_points(const VtkXmlReader& file) {
-  const std::vector<double> values =
-      file.doubles(file.piece().child("Points").child("DataArray"), "point coordinates");
-  if (values.size() != 3 * file.count("NumberOfPoints")) file.fail(kFewPoints);
-  std::vector<Vec3> points(values.size() / 3);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = Vec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
-    if (!points[i].allFinite()) file.fail("point " + std::to_string(i) + " is not finite");
-  }
-  return points;
-}
-
 std::vector<std::int64_t> read_labels(const VtkXmlReader& file, std::size_t cells) {
   const pugi::xml_node data = file.piece().child("CellData");
   for (const char* name : kLabelArrays) {
@@ -45,22 +33,17 @@ std::vector<std::int64_t> read_labels(const VtkXmlReader& file, std::size_t cell
 
 void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
   const std::size_t cells = file.count("NumberOfCells");
-  const pugi::xml_node node = file.piece().child("Cells");
-  const auto connectivity =
-      file.integers(VtkXmlReader::find_array(node, "connectivity"), "cell connectivity");
-  const auto offsets = file.integers(VtkXmlReader::find_array(node, "offsets"), "cell offsets");
-  const auto types = file.integers(VtkXmlReader::find_array(node, "types"), "cell types");
-  if (offsets.size() != cells || types.size() != cells) file.fail("does not hold as many cells as it says");
+  const CellCorners corners = file.cells("Cells");
+  const auto types =
+      file.integers(VtkXmlReader::find_array(file.piece().child("Cells"), "types"), "cell types");
+  if (corners.ends.size() != cells || types.size() != cells)
+    file.fail("does not hold as many cells as it says");
   const auto labels = read_labels(file, cells);
-  std::int64_t begin = 0;
-  for (std::size_t c = 0; c < cells; ++c) {
-    const std::int64_t end = offsets[c];
-    if (end < begin || end > static_cast<std::int64_t>(connectivity.size())) file.fail(kBadOffsets);
-    add_vtk_cell<std::int64_t>(file.path(), types[c],
-                               {connectivity.data() + begin, static_cast<std::size_t>(end - begin)},
-                               static_cast<Label>(labels[c]), mesh);
-    begin = end;
-  }
+  std::size_t c = 0;
+  for_each_cell(file.path(), corners, [&](std::span<const std::int64_t> cell) {
+    add_vtk_cell(file.path(), types[c], cell, static_cast<Label>(labels[c]), mesh);
+    ++c;
+  });
 }
 
 template <std::size_t N>
@@ -98,7 +81,7 @@ std::vector<double> read_sizes(const VtkXmlReader& file, std::size_t points) {
 
 MixedMesh read_points_and_info(const VtkXmlReader& file) {
   MixedMesh mesh;
-  mesh.points = read_points(file);
+  mesh.points = file.points();
   read_info(file, mesh);
   return mesh;
 }
@@ -115,19 +98,14 @@ PointData read_vtk_xml_point_data(const std::filesystem::path& path, std::string
   PointData data;
   data.points = std::move(mesh.points);
   data.info = std::move(mesh.info);
-  for (const pugi::xml_node& array : file.piece().child("PointData").children("DataArray")) {
-    const std::string name = array.attribute("Name").value();
-    const unsigned components = array.attribute("NumberOfComponents").as_uint(1);
-    if (components == 1 || components == 3)
-      keep_point_array(path, name, file.doubles(array, name.c_str()), components, data);
-  }
+  keep_point_arrays(file, data);
   return data;
 }
 
 MixedMesh read_vtu(const std::filesystem::path& path) {
   const VtkXmlReader file(path, "UnstructuredGrid");
   MixedMesh mesh;
-  mesh.points = read_points(file);
+  mesh.points = file.points();
   mesh.metric = read_metric_array(path, file, mesh.points.size());
   mesh.sizes_mm = read_sizes(file, mesh.points.size());
   read_cells(file, mesh);
@@ -158,18 +136,12 @@ MixedMesh read_polygons(const std::filesystem::path& path, const std::string& pa
                         const Context& context) {
   const VtkXmlReader file(path, "PolyData");
   MixedMesh mesh;
-  mesh.points = read_points(file);
+  mesh.points = file.points();
   read_info(file, mesh);
   Polygons polygons;
-  const auto cells_of = [&](const char* kind, std::vector<std::int64_t>& corners,
-                            std::vector<std::int64_t>& ends) {
-    const pugi::xml_node cells = file.piece().child(kind);
-    corners = file.integers(VtkXmlReader::find_array(cells, "connectivity"), "polygon connectivity");
-    ends = file.integers(VtkXmlReader::find_array(cells, "offsets"), "polygon offsets");
-  };
-  cells_of("Polys", polygons.corners, polygons.ends);
+  polygons.polygons = file.cells("Polys");
   const auto count = [&](const char* attribute) { return file.piece().attribute(attribute).as_uint(0); };
-  if (count("NumberOfStrips") > 0) cells_of("Strips", polygons.strip_corners, polygons.strip_ends);
+  if (count("NumberOfStrips") > 0) polygons.strips = file.cells("Strips");
   polygons.cells_before = std::size_t{count("NumberOfVerts")} + count("NumberOfLines");
   add_polygons(path, polygons, cell_arrays(file), patch_array, context, mesh);
   return mesh;
