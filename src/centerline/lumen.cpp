@@ -216,7 +216,7 @@ std::array<std::uint32_t, 27> Lumen::around(std::uint32_t id) const {
 
 std::uint32_t Lumen::voxel_around(const Vec3& position) const {
   const Index3 v = position.cwiseQuotient(frame_.spacing_mm).array().round().cast<int>();
-  return find(v.cwiseMax(0).cwiseMin(frame_.size - Index3::Ones()));
+  return find(nearest_place(frame_.size, v));
 }
 
 double Lumen::inside(const Vec3& position) const {

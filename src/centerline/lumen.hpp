@@ -110,7 +110,7 @@ class Lumen {
   [[nodiscard]] std::size_t cell(const Index3& v) const { return offset_in_brick(v - low_, kBrick); }
   /// Share of a voxel, or of the border's nearest one, 0 to kWhole.
   [[nodiscard]] double share_at(const Index3& v) const {
-    const Index3 nearest = v.cwiseMax(0).cwiseMin(frame_.size - Index3::Ones());
+    const Index3 nearest = nearest_place(frame_.size, v);
     const Brick* brick = brick_at(nearest);
     return brick == nullptr ? 0.0 : brick->shares[cell(nearest)];
   }

@@ -164,8 +164,6 @@ class BandBuilder {
     return out;
   }
 
-  Index3 clamped(const Index3& voxel) const { return voxel.cwiseMax(0).cwiseMin(size_ - Index3::Ones()); }
-
   /// What is near with the ghosts' rows: what their nearest voxel is.
   void find_lanes() {
     const SegmentGrid inner = near_;
@@ -179,7 +177,7 @@ class BandBuilder {
     for (int z = 0; z < box_.z(); ++z) {
       for (int y = 0; y < box_.y(); ++y) {
         if (!is_ghost_row(y, z)) continue;
-        const Index3 source = clamped(first + Index3(0, y, z)) - first;
+        const Index3 source = nearest_place(size_, first + Index3(0, y, z)) - first;
         for (int x = 0; x < box_.x(); ++x)
           if (inner.contains({x, source.y(), source.z()})) near_.insert({x, y, z});
       }
@@ -201,7 +199,7 @@ class BandBuilder {
     const SegmentPlace& p = near_.place(segment);
     const Index3 voxel = b_.low_ + Index3(p.x * kLanes + static_cast<int>(lane), p.y, p.z);
     if (((voxel.array() < -Band::kGhosts) || (voxel.array() >= size_.array() + Band::kGhosts)).any()) return;
-    const Index3 source = clamped(voxel);
+    const Index3 source = nearest_place(size_, voxel);
     const Squares& squares = squares_[static_cast<std::size_t>(inner.find(segment_of(source)))];
     const auto source_lane = static_cast<unsigned>(source.x() - b_.low_.x()) % kLanes;
     const int to_minus = squares[source_lane], to_plus = squares[source_lane + kLanes];
@@ -365,13 +363,13 @@ class BandBuilder {
   }
 
   bool cut_is_near(const Index3& ghost) const {
-    const Index3 nearest = clamped(ghost);
+    const Index3 nearest = nearest_place(size_, ghost);
     const LabelIndex own = image_.at(nearest);
     const auto reach = [&](int axis) { return nearest[axis] != ghost[axis] ? 0 : 2; };
     for (int k = -reach(2); k <= reach(2); ++k)
       for (int j = -reach(1); j <= reach(1); ++j)
         for (int i = -reach(0); i <= reach(0); ++i)
-          if (pair_.side_of(image_.at(clamped(nearest + Index3(i, j, k)))) != pair_.side_of(own)) return true;
+          if (pair_.side_of(image_.at_nearest(nearest + Index3(i, j, k))) != pair_.side_of(own)) return true;
     return false;
   }
 

@@ -47,9 +47,6 @@ class ContinuedFieldBuilder {
   [[nodiscard]] static Index3 first_stored(const Index3& brick) {
     return brick * kBrick + Index3::Constant(LabelField::kFirst - 1);
   }
-  [[nodiscard]] Index3 clamped(const Index3& v) const {
-    return v.cwiseMax(0).cwiseMin(f_.frame_.size - Index3::Ones());
-  }
   /// Brick of the old field at the same place; null where it is uniform or there is none.
   [[nodiscard]] const Brick* old_brick(const Index3& brick) const {
     const Index3 b = brick + first_brick_;
@@ -65,8 +62,8 @@ class ContinuedFieldBuilder {
   [[nodiscard]] std::vector<LabelField::Pair> pairs_around(const Index3& brick) const {
     constexpr int kReach = 3;
     const Index3 first = brick * kBrick + Index3::Constant(LabelField::kFirst);
-    const Index3 low = clamped(first - Index3::Constant(kReach));
-    const Index3 high = clamped(first + Index3::Constant(kBrick + kReach));
+    const Index3 low = nearest_place(image_.frame().size, first - Index3::Constant(kReach));
+    const Index3 high = nearest_place(image_.frame().size, first + Index3::Constant(kBrick + kReach));
     std::vector<LabelField::Pair> pairs;
     const auto add = [&](LabelIndex a, LabelIndex b) {
       const LabelIndex first_label = std::min(a, b), second = std::max(a, b);
@@ -107,7 +104,7 @@ class ContinuedFieldBuilder {
     } else {
       plan.pairs = pairs_around(brick);
       if (plan.pairs.empty())
-        plan.code = -1 - image_.at(clamped(middle));
+        plan.code = -1 - image_.at_nearest(middle);
       else
         plan.labels = field::labels_in(
             image_, {first_stored(brick), first_stored(brick) + Index3::Constant(kStored - 1)});
@@ -176,15 +173,11 @@ class ContinuedFieldBuilder {
     copy(plan.labels, 0, plan.labels.size(), f_.labels_, brick.first_label);
     copy(plan.pairs, 0, plan.pairs.size(), f_.pairs_, brick.first_pair);
     const Index3 place = brick_index(places_[i]);
-    if (brick.has_corners) fill_corners(place, &f_.corners_[brick.corners * kCornerCount]);
+    if (brick.has_corners)
+      field::copy_labels(image_, place * kBrick + Index3::Constant(LabelField::kFirst), kCorners,
+                         &f_.corners_[brick.corners * kCornerCount]);
     for (std::size_t p = 0; p < plan.pairs.size(); ++p)
       fill_block(place, plan.pairs[p], &f_.blocks_[(brick.first_pair + p) * LabelField::kBlock]);
-  }
-
-  void fill_corners(const Index3& brick, LabelIndex* out) const {
-    const Index3 first = brick * kBrick + Index3::Constant(LabelField::kFirst);
-    for_each_place(first, first + Index3::Constant(kCorners - 1),
-                   [&](const Index3& voxel) { *out++ = image_.at(clamped(voxel)); });
   }
 
   /// Value at a voxel that the old field has in another brick only. Interpolation gives the voxels' own

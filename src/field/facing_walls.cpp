@@ -237,8 +237,7 @@ void FacingWalls::choose_parts(const parallel::Adjacency& facing) {
 }
 
 bool FacingWalls::is_of_part(Lane lane, std::size_t number) const {
-  const Index3 last = band_.image().frame().size - Index3::Ones();
-  const Lane inside = band_.lane_of(band_.voxel(lane).cwiseMax(0).cwiseMin(last));
+  const Lane inside = band_.lane_of(nearest_place(band_.image().frame().size, band_.voxel(lane)));
   const Cell cell = cell_of_[static_cast<std::size_t>(inside)];
   const auto& cells = parts_[number];
   const auto found = std::ranges::lower_bound(cells, cell, {}, &NearCell::cell);

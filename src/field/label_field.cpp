@@ -9,18 +9,6 @@ namespace {
 
 using Four = float __attribute__((vector_size(16)));  // every x86-64 and ARM processor has such vectors
 
-/// Catmull-Rom weights of the four points around a fraction t in [0, 1], and their derivatives.
-struct CubicWeights {
-  Four value, slope;
-
-  explicit CubicWeights(float t) {
-    const float t2 = t * t;
-    const float t3 = t2 * t;
-    value = Four{2 * t2 - t - t3, 2 - 5 * t2 + 3 * t3, t + 4 * t2 - 3 * t3, t3 - t2} * 0.5F;
-    slope = Four{4 * t - 1 - 3 * t2, 9 * t2 - 10 * t, 1 + 8 * t - 9 * t2, 3 * t2 - 2 * t} * 0.5F;
-  }
-};
-
 Four load(const float* from) {
   Four row;
   std::memcpy(&row, from, sizeof row);
@@ -58,42 +46,60 @@ LabelField::Place LabelField::locate(const Vec3& index) const {
   return place;
 }
 
+/// Weights of the 4 x 4 x 4 values around a place in a block.
+struct LabelField::CellWeights {
+  /// Catmull-Rom weights of the four points around a fraction t in [0, 1], and their derivatives.
+  struct Cubic {
+    Four value, slope;
+
+    explicit Cubic(float t) {
+      const float t2 = t * t;
+      const float t3 = t2 * t;
+      value = Four{2 * t2 - t - t3, 2 - 5 * t2 + 3 * t3, t + 4 * t2 - 3 * t3, t3 - t2} * 0.5F;
+      slope = Four{4 * t - 1 - 3 * t2, 9 * t2 - 10 * t, 1 + 8 * t - 9 * t2, 3 * t2 - 2 * t} * 0.5F;
+    }
+  };
+  Index3 base;
+  Cubic x, y, z;
+  const float* first;
+
+  CellWeights(const float* block, const Vec3& local)
+      : base(local.cast<int>()),
+        x(static_cast<float>(local.x() - base.x())),
+        y(static_cast<float>(local.y() - base.y())),
+        z(static_cast<float>(local.z() - base.z())),
+        first(block + base.x() + kRowPad * (base.y() + kStored * base.z())) {}
+  [[nodiscard]] Four row(int j, int k) const { return load(first + kRowPad * (j + kStored * k)); }
+};
+
 double LabelField::block_value(const BlockRef& ref, const Vec3& local) const {
-  const Index3 base = local.cast<int>();
-  const CubicWeights wx(static_cast<float>(local.x() - base.x()));
-  const CubicWeights wy(static_cast<float>(local.y() - base.y()));
-  const CubicWeights wz(static_cast<float>(local.z() - base.z()));
-  const float* corner = &blocks_[ref.block * kBlock] + base.x() + kRowPad * (base.y() + kStored * base.z());
+  const CellWeights at(&blocks_[ref.block * kBlock], local);
   Four rows = {};
   for (int k = 0; k < 4; ++k) {
     Four plane = {};
-    for (int j = 0; j < 4; ++j) plane += wy.value[j] * load(corner + kRowPad * (j + kStored * k));
-    rows += wz.value[k] * plane;
+    for (int j = 0; j < 4; ++j) plane += at.y.value[j] * at.row(j, k);
+    rows += at.z.value[k] * plane;
   }
-  return ref.sign * sum(wx.value * rows);
+  return ref.sign * sum(at.x.value * rows);
 }
 
 FieldSample LabelField::block_sample(const BlockRef& ref, const Place& place) const {
-  const Vec3& local = place.local;
-  const Index3 base = local.cast<int>();
-  const CubicWeights wx(static_cast<float>(local.x() - base.x()));
-  const CubicWeights wy(static_cast<float>(local.y() - base.y()));
-  const CubicWeights wz(static_cast<float>(local.z() - base.z()));
-  const float* corner = &blocks_[ref.block * kBlock] + base.x() + kRowPad * (base.y() + kStored * base.z());
+  const CellWeights at(&blocks_[ref.block * kBlock], place.local);
   Four rows = {}, rows_dy = {}, rows_dz = {};
   for (int k = 0; k < 4; ++k) {
     Four plane = {}, plane_dy = {};
     for (int j = 0; j < 4; ++j) {
-      const Four row = load(corner + kRowPad * (j + kStored * k));
-      plane += wy.value[j] * row;
-      plane_dy += wy.slope[j] * row;
+      const Four row = at.row(j, k);
+      plane += at.y.value[j] * row;
+      plane_dy += at.y.slope[j] * row;
     }
-    rows += wz.value[k] * plane;
-    rows_dy += wz.value[k] * plane_dy;
-    rows_dz += wz.slope[k] * plane;
+    rows += at.z.value[k] * plane;
+    rows_dy += at.z.value[k] * plane_dy;
+    rows_dz += at.z.slope[k] * plane;
   }
-  FieldSample result{ref.sign * sum(wx.value * rows),
-                     ref.sign * Vec3(sum(wx.slope * rows), sum(wx.value * rows_dy), sum(wx.value * rows_dz))};
+  FieldSample result{
+      ref.sign * sum(at.x.value * rows),
+      ref.sign * Vec3(sum(at.x.slope * rows), sum(at.x.value * rows_dy), sum(at.x.value * rows_dz))};
   for (int axis = 0; axis < 3; ++axis) {
     if (place.clamped[static_cast<std::size_t>(axis)]) result.gradient[axis] = 0;
   }
@@ -173,13 +179,8 @@ bool LabelField::any_brick(const Vec3& low, const Vec3& high, const Body& body) 
     const Vec3 c = ((v.array() - kFirst) / kBrick).cwiseMax(-1e6).cwiseMin(1e6);
     return Index3(Eigen::Array3d(c.array().floor()).cast<int>().matrix().cwiseMax(0).cwiseMin(last));
   };
-  const Index3 first = brick_of(low);
-  const Index3 end = brick_of(high);
-  for (int k = first.z(); k <= end.z(); ++k)
-    for (int j = first.y(); j <= end.y(); ++j)
-      for (int i = first.x(); i <= end.x(); ++i)
-        if (body(brick_of_[brick_offset({i, j, k})])) return true;
-  return false;
+  return is_any_place(brick_of(low), brick_of(high),
+                      [&](const Index3& brick) { return body(brick_of_[brick_offset(brick)]); });
 }
 
 bool LabelField::may_hold_object(const Vec3& low, const Vec3& high) const {

@@ -77,7 +77,6 @@ class LabelFieldBuilder {
   }
 
   Index3 brick_index(std::size_t b) const { return grid_place(f_.bricks_, b); }
-  Index3 clamped(const Index3& v) const { return v.cwiseMax(0).cwiseMin(f_.frame_.size - Index3::Ones()); }
 
   /// Whether the image's first or last layer along an axis is background.
   [[nodiscard]] bool has_bare_end(int axis, std::size_t end) const {
@@ -118,7 +117,7 @@ class LabelFieldBuilder {
         f_.brick_of_[b] = static_cast<std::int32_t>(place_.size());
         place_.push_back(static_cast<std::uint32_t>(b));
       } else {
-        f_.brick_of_[b] = -1 - image_.at(clamped(brick_index(b) * kBrick));
+        f_.brick_of_[b] = -1 - image_.at_nearest(brick_index(b) * kBrick);
       }
     }
     f_.active_.resize(place_.size());
@@ -140,16 +139,13 @@ class LabelFieldBuilder {
       f_.labels_.insert(f_.labels_.end(), sets[b].begin(), sets[b].end());
     }
     f_.corners_.resize(std::size_t{corners} * kCorners * kCorners * kCorners);
-    parallel::for_each_index(place_.size(), 16, [&](std::size_t b) { fill_corners(b); });
-  }
-
-  void fill_corners(std::size_t b) {
-    const Brick& brick = f_.active_[b];
-    if (!brick.has_corners) return;
-    LabelIndex* out = &f_.corners_[std::size_t{brick.corners} * kCorners * kCorners * kCorners];
-    const Index3 first = brick_index(place_[b]) * kBrick + Index3::Constant(LabelField::kFirst);
-    for_each_place(first, first + Index3::Constant(kCorners - 1),
-                   [&](const Index3& voxel) { *out++ = image_.at(clamped(voxel)); });
+    parallel::for_each_index(place_.size(), 16, [&](std::size_t b) {
+      const Brick& brick = f_.active_[b];
+      const Index3 first = brick_index(place_[b]) * kBrick + Index3::Constant(LabelField::kFirst);
+      if (brick.has_corners)
+        field::copy_labels(image_, first, kCorners,
+                           &f_.corners_[std::size_t{brick.corners} * kCorners * kCorners * kCorners]);
+    });
   }
 
   void collect_pairs() {
@@ -210,7 +206,7 @@ class LabelFieldBuilder {
           const Index3 voxel = first + Index3(i, j, k);
           const float value = band.value_at(values, voxel);
           row[i] = value == value ? std::clamp(value, -kLimit, kLimit)
-                                  : kLimit * static_cast<float>(pair.side_of(image_.at(clamped(voxel))));
+                                  : kLimit * static_cast<float>(pair.side_of(image_.at_nearest(voxel)));
           const int beyond = pair.is_outer_wall() ? beyond_bare_end(voxel) : -1;
           if (beyond >= 0) row[i] = std::min(row[i], beyond > 0 ? -kLimit : -kMinDepth);
         }
@@ -252,8 +248,8 @@ class LabelFieldBuilder {
     constexpr int kReach = 3;
     constexpr double kVariance = 1.5 * 1.5;
     double sum = 0, weights = 0;
-    const Index3 low = clamped(voxel - Index3::Constant(kReach)),
-                 high = clamped(voxel + Index3::Constant(kReach));
+    const Index3 &size = f_.frame_.size, low = nearest_place(size, voxel - Index3::Constant(kReach)),
+                 high = nearest_place(size, voxel + Index3::Constant(kReach));
     for_each_place(low, high, [&](const Index3& other) {
       const LabelIndex label = image_.at(other);
       if (label == 0) return;

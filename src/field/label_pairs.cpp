@@ -106,17 +106,21 @@ std::vector<PairFaces> touching_pairs(const LabelImage& image) {
 }
 
 std::vector<LabelIndex> labels_in(const LabelImage& image, const IndexBox& box) {
-  const Index3 border = image.frame().size - Index3::Ones();
   std::vector<LabelIndex> labels;
   LabelIndex last = 0;
   for_each_place(box.low, box.high, [&](const Index3& voxel) {
-    const LabelIndex label = image.at(voxel.cwiseMax(0).cwiseMin(border));
+    const LabelIndex label = image.at_nearest(voxel);
     if (!labels.empty() && label == last) return;
     last = label;
     if (std::ranges::find(labels, label) == labels.end()) labels.push_back(label);
   });
   std::ranges::sort(labels);
   return labels;
+}
+
+void copy_labels(const LabelImage& image, const Index3& first, int edge, LabelIndex* out) {
+  for_each_place(first, first + Index3::Constant(edge - 1),
+                 [&](const Index3& voxel) { *out++ = image.at_nearest(voxel); });
 }
 
 }  // namespace lumesh::field

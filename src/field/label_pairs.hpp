@@ -43,5 +43,7 @@ struct PairFaces {
 
 /// Labels of the voxels of a box, ascending; those outside the image count as the nearest ones in it.
 [[nodiscard]] std::vector<LabelIndex> labels_in(const LabelImage& image, const IndexBox& box);
+/// Labels of a cube with so many voxels along an edge, one after the other.
+void copy_labels(const LabelImage& image, const Index3& first, int edge, LabelIndex* out);
 
 }  // namespace lumesh::field

@@ -15,12 +15,11 @@ constexpr std::uint32_t kFaces = 1U << 4 | 1U << 10 | 1U << 12 | 1U << 14 | 1U <
 }  // namespace
 
 VoxelRole role_of(const LabelImage& image, const Index3& voxel) {
-  const Index3 last = image.frame().size - Index3::Ones();
   const LabelImage::Index own = image.at(voxel);
   std::uint32_t same = 0;
   for (int n = 0; n < 27; ++n) {
     const Index3 v = voxel + Index3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-    if (n != kMiddle && image.at(v.cwiseMax(0).cwiseMin(last)) == own) same |= 1U << n;
+    if (n != kMiddle && image.at_nearest(v) == own) same |= 1U << n;
   }
   // Labels are 6-connected, the background 26-connected.
   const bool is_label = own != 0;

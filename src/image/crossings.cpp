@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/grid.hpp"

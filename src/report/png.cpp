@@ -1,7 +1,5 @@
 #include <png.h>
 
-#include <cstdio>
-
 #include "lumesh/core/error.hpp"
 #include "lumesh/report/drawing.hpp"
 #include "lumesh/report/picture.hpp"

@@ -27,6 +27,11 @@ namespace lumesh {
   return {static_cast<int>(offset % x), static_cast<int>(offset / x % y), static_cast<int>(offset / (x * y))};
 }
 
+/// The place of a grid that is nearest to one in or outside of it.
+[[nodiscard]] inline Index3 nearest_place(const Index3& size, const Index3& at) {
+  return at.cwiseMax(0).cwiseMin(size - Index3::Ones());
+}
+
 /// Rows along the first index, numbered as places.
 [[nodiscard]] inline std::size_t grid_row_count(const Index3& size) {
   return static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
@@ -68,15 +73,8 @@ struct IndexBox {
   }
 };
 
-/// Calls visit(place) for the places of a box, `high` included, in the order of their numbers.
-template <class Visit>
-void for_each_place(const Index3& low, const Index3& high, const Visit& visit) {
-  for (int k = low.z(); k <= high.z(); ++k)
-    for (int j = low.y(); j <= high.y(); ++j)
-      for (int i = low.x(); i <= high.x(); ++i) visit(Index3(i, j, k));
-}
-
-/// True if has(place) is true for a place of a box, `high` included; the first one ends the search.
+/// True if has(place) is true for a place of a box, `high` included, in the order of their numbers; the first
+/// one ends the search.
 template <class Has>
 [[nodiscard]] bool is_any_place(const Index3& low, const Index3& high, const Has& has) {
   for (int k = low.z(); k <= high.z(); ++k)
@@ -84,6 +82,12 @@ template <class Has>
       for (int i = low.x(); i <= high.x(); ++i)
         if (has(Index3(i, j, k))) return true;
   return false;
+}
+
+/// Calls visit(place) for the places of a box, `high` included, in the order of their numbers.
+template <class Visit>
+void for_each_place(const Index3& low, const Index3& high, const Visit& visit) {
+  std::ignore = is_any_place(low, high, [&](const Index3& place) { return visit(place), false; });
 }
 
 }  // namespace lumesh

@@ -100,6 +100,8 @@ class LabelImage {
   [[nodiscard]] const std::vector<Index>& voxels() const { return voxels_; }
   [[nodiscard]] Index at(const Index3& v) const { return voxels_[frame_.offset(v)]; }
   [[nodiscard]] Index& at(const Index3& v) { return voxels_[frame_.offset(v)]; }
+  /// The index of the nearest voxel, for places outside the image.
+  [[nodiscard]] Index at_nearest(const Index3& v) const { return at(nearest_place(frame_.size, v)); }
   [[nodiscard]] Label label_at(const Index3& v) const { return values_[at(v)]; }
   /// Crossings of the boundary by grey values or probabilities (crossings.hpp); ascending by voxel, then
   /// axis. Empty where labels are all that is known. Faces without one are crossed anywhere; crossings

@@ -119,6 +119,7 @@ class LabelField {
   template <class Body>
   [[nodiscard]] bool any_brick(const Vec3& low, const Vec3& high, const Body& body) const;
   [[nodiscard]] Place locate(const Vec3& index) const;
+  struct CellWeights;
   [[nodiscard]] double block_value(const BlockRef& ref, const Vec3& local) const;
   [[nodiscard]] FieldSample block_sample(const BlockRef& ref, const Place& place) const;
   [[nodiscard]] BlockRef find_block(const Brick& brick, LabelIndex first, LabelIndex second) const;

@@ -19,9 +19,7 @@ template <class LabelAt>
 
 /// The same for a voxel of an image; outside it the border voxels go on.
 [[nodiscard]] inline int same_label_count(const LabelImage& image, const Index3& voxel) {
-  const Index3 last = image.frame().size - Index3::Ones();
-  return same_label_count(
-      [&](int i, int j, int k) { return image.at((voxel + Index3(i, j, k)).cwiseMax(0).cwiseMin(last)); });
+  return same_label_count([&](int i, int j, int k) { return image.at_nearest(voxel + Index3(i, j, k)); });
 }
 
 }  // namespace lumesh
