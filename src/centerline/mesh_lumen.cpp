@@ -105,20 +105,21 @@ class RowFiller {
 };
 
 /// The shift keeps rows of voxels off corners and edges at round coordinates.
-ImageFrame frame_around(const Vec3& low, const Vec3& high, double margin, double voxel) {
+ImageFrame frame_around(const Box3& box, double margin, double voxel) {
   ImageFrame frame;
   frame.spacing_mm.setConstant(voxel);
-  frame.origin_mm = low - Vec3::Constant(margin) + voxel * Vec3(0.3141, 0.2718, 0.1414);
-  frame.size = ((high + Vec3::Constant(margin) - frame.origin_mm) / voxel).array().ceil().cast<int>() + 1;
+  frame.origin_mm = box.min() - Vec3::Constant(margin) + voxel * Vec3(0.3141, 0.2718, 0.1414);
+  frame.size =
+      ((box.max() + Vec3::Constant(margin) - frame.origin_mm) / voxel).array().ceil().cast<int>() + 1;
   return frame;
 }
 
 /// From rows through the boundary where they find much more than the sum over its triangles: some of these
 /// are turned to the wrong side then.
-double sound_volume(const Boundary& boundary, double sum, const Vec3& low, const Vec3& high) {
+double sound_volume(const Boundary& boundary, double sum, const Box3& box) {
   constexpr double kRows = 200, kMuchMore = 1.5;
-  const double voxel = (high - low).maxCoeff() / kRows;
-  const double of_rows = RowFiller(boundary, frame_around(low, high, voxel, voxel)).volume_mm3();
+  const double voxel = box.sizes().maxCoeff() / kRows;
+  const double of_rows = RowFiller(boundary, frame_around(box, voxel, voxel)).volume_mm3();
   return of_rows > kMuchMore * std::abs(sum) ? of_rows : std::abs(sum);
 }
 
@@ -132,21 +133,18 @@ double usual_voxel(double mean_radius, double volume, const std::vector<Cap>& ca
 
 Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
   double volume = 0, area = 0;
-  Vec3 low = boundary.corner(0, 0), high = low;
-  const Vec3 base = low;
+  Box3 box;
+  const Vec3 base = boundary.corner(0, 0);
   for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
     const Vec3 normal = boundary.area_vector(t);
     volume += normal.dot(boundary.corner(t, 0) - base) / 3;
     if (boundary.is_opening[t] == 0) area += normal.norm();
-    for (std::size_t n = 0; n < 3; ++n) {
-      low = low.cwiseMin(boundary.corner(t, n));
-      high = high.cwiseMax(boundary.corner(t, n));
-    }
+    for (std::size_t n = 0; n < 3; ++n) box.extend(boundary.corner(t, n));
   }
-  const double extent = (high - low).maxCoeff();
+  const double extent = box.sizes().maxCoeff();
   Grid grid;
   grid.caps = caps_of(boundary, volume > 0 ? 1 : -1);
-  volume = extent > 0 ? sound_volume(boundary, volume, low, high) : 0;
+  volume = extent > 0 ? sound_volume(boundary, volume, box) : 0;
   if (!(volume > 1e-9 * extent * extent * extent) || !(area > 0))
     throw Error(ErrorKind::kBadInput, "the boundary of the mesh encloses nothing; is its surface closed?");
   // A tube's volume is half its radius times its area.
@@ -159,7 +157,7 @@ Grid grid_around(const Boundary& boundary, const CenterlineOptions& options) {
   grid.frame.spacing_mm.setConstant(voxel);
   double margin = kMargin * voxel;
   for (const Cap& cap : grid.caps) margin = std::max(margin, kMargin * voxel + grid.beyond_mm(cap));
-  grid.frame = frame_around(low, high, margin, voxel);
+  grid.frame = frame_around(box, margin, voxel);
   return grid;
 }
 

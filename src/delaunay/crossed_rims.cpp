@@ -37,10 +37,6 @@ class TouchedMaterials {
   std::vector<MaterialSet> of_vertex_;
 };
 
-Vec3 centre_of(const TetMesh& mesh, TetId t) {
-  return 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
-}
-
 /// True if a tetrahedron has no corner beyond a cut plane, and does not lie flat on one.
 bool is_within_cuts(const TetMesh& mesh, const Domain& domain, TetId t) {
   const double touch_mm = 1e-2 * domain.resolution_mm();
@@ -61,7 +57,7 @@ bool is_within_cuts(const TetMesh& mesh, const Domain& domain, TetId t) {
 std::optional<Material> material_within_cuts(const TetMesh& mesh, const Domain& domain, TetId t) {
   if (!domain.is_cut(static_cast<Material>(mesh.label(t))) || !is_within_cuts(mesh, domain, t))
     return std::nullopt;
-  const Material there = domain.material_at(centre_of(mesh, t));
+  const Material there = domain.material_at(mesh.centroid(t));
   if (!domain.is_meshed(there)) return std::nullopt;
   return there;
 }
@@ -89,7 +85,7 @@ std::optional<Material> material_of(const TetMesh& mesh, const Domain& domain,
   bool is_at_one = false;
   for (int f = 0; f < 4; ++f) is_at_one = is_at_one || crosses(mesh, domain, touched, t, f);
   if (!is_at_one) return std::nullopt;
-  const Material there = domain.material_at(centre_of(mesh, t));
+  const Material there = domain.material_at(mesh.centroid(t));
   const bool is_same = outside_or(domain, there) == outside_or(domain, static_cast<Material>(mesh.label(t)));
   if (is_same || !touched.common_to_corners(t).contains(there)) return std::nullopt;
   return there;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
-#include <utility>
 
 #include "crossed_rims.hpp"
 #include "estimate.hpp"

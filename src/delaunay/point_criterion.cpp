@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"

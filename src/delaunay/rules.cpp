@@ -20,6 +20,19 @@ double cosine_of_deg(double angle_deg) {
   return std::cos(angle_deg * std::numbers::pi / 180);
 }
 
+/// The place near another one where two materials meet a third of those around.
+std::optional<Vec3> place_on_curve(const Domain& domain, const Vec3& near, const MaterialSet& pair,
+                                   const MaterialSet& around, double reach_mm) {
+  for (const Material third : around) {
+    if (pair.contains(third)) continue;
+    MaterialSet triple = pair;
+    triple.insert(third);
+    const auto place = domain.project(near, triple, reach_mm);
+    if (place && !is_cut_off(domain, *place)) return place;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool has_higher_priority(const Candidate& a, const Candidate& b) {
@@ -166,15 +179,9 @@ std::optional<Candidate> Rules::candidate_for_crossed_curve(TetId t, const DualE
   for (const Vec3& corner : corners) {
     const MaterialSet there = domain_.materials_near(corner, kOn * spacing);
     if (there.contains_all(pair)) continue;
-    for (const Material third : there) {
-      if (pair.contains(third)) continue;
-      MaterialSet triple = pair;
-      triple.insert(third);
-      const auto x = domain_.project(corner, triple, kFar * spacing);
-      if (x && !is_cut_off(domain_, *x))
-        return Candidate{*x, t, kSurfaceFirst + static_cast<float>((*x - corner).norm() / spacing),
-                         VertexDimension::kCurve, spacing};
-    }
+    if (const auto x = place_on_curve(domain_, corner, pair, there, kFar * spacing))
+      return Candidate{*x, t, kSurfaceFirst + static_cast<float>((*x - corner).norm() / spacing),
+                       VertexDimension::kCurve, spacing};
   }
   return std::nullopt;
 }
@@ -206,16 +213,9 @@ std::optional<Candidate> Rules::at_surface(const Vec3& place, TetId t, const Dua
   Candidate candidate{point, t, kSurfaceFirst + static_cast<float>(radius / spacing),
                       VertexDimension::kSurface, spacing};
   const MaterialSet near = domain_.materials_near(candidate.point, 0.5 * std::min(radius, spacing));
-  for (const Material third : near) {
-    if (set.contains(third)) continue;
-    MaterialSet triple = set;
-    triple.insert(third);
-    const auto on_curve = domain_.project(candidate.point, triple, spacing);
-    if (on_curve && !is_cut_off(domain_, *on_curve)) {
-      candidate.point = *on_curve;
-      candidate.dimension = VertexDimension::kCurve;
-      break;
-    }
+  if (const auto on_curve = place_on_curve(domain_, candidate.point, set, near, spacing)) {
+    candidate.point = *on_curve;
+    candidate.dimension = VertexDimension::kCurve;
   }
   return candidate;
 }

@@ -67,9 +67,7 @@ MeshPart cut_out(const WholeMesh& whole, const BoundaryTree& tree, const Vec3& c
     part.vertices.insert(part.vertices.end(), corners.begin(), corners.end());
   }
   sort_unique(part.vertices);
-  const auto number = [&](std::uint32_t v) {
-    return static_cast<std::uint32_t>(std::ranges::lower_bound(part.vertices, v) - part.vertices.begin());
-  };
+  const auto number = [&](std::uint32_t v) { return rank_in(part.vertices, v); };
   part.fixed.assign(part.vertices.size(), 1);
   for (const std::uint32_t v : core) part.fixed[number(v)] = 0;
   for (const std::uint32_t v : part.vertices) {

@@ -46,6 +46,11 @@ std::vector<PartFace> faces_with_shared_corners(std::span<const PartSurface> par
   return all;
 }
 
+void add_triangles(const FaceCorners& face, std::vector<Cell<3>>& triangles) {
+  triangles.push_back({face[0], face[1], face[2]});
+  if (!is_triangle(face)) triangles.push_back({face[0], face[2], face[3]});
+}
+
 /// What of the surface of one part no other part shares, as triangles.
 struct FreeSurface {
   std::vector<FaceCorners> faces;
@@ -59,8 +64,7 @@ FreeSurface free_surface(const PartSurface& part, const std::vector<std::uint32_
     const FaceCorners face = joined_face(own, numbers);
     if (find_contact(contacts, face) != nullptr) continue;
     surface.faces.push_back(face);
-    surface.triangles.push_back({face[0], face[1], face[2]});
-    if (!is_triangle(face)) surface.triangles.push_back({face[0], face[2], face[3]});
+    add_triangles(face, surface.triangles);
   }
   return surface;
 }
@@ -111,10 +115,7 @@ std::vector<std::uint32_t> joined_groups(std::size_t count, std::span<const Cont
 /// Least distance of a point of `from` to the surface of another part.
 double distance_between(const PartSurface& from, const PartSurface& to) {
   std::vector<Cell<3>> triangles;
-  for (const FaceCorners& face : to.faces) {
-    triangles.push_back({face[0], face[1], face[2]});
-    if (!is_triangle(face)) triangles.push_back({face[0], face[2], face[3]});
-  }
+  for (const FaceCorners& face : to.faces) add_triangles(face, triangles);
   const TriangleTree tree(to.mesh->points, triangles);
   constexpr std::size_t kBlock = 1024;
   return parallel::reduce(
@@ -148,9 +149,7 @@ std::vector<Contact> find_contacts(std::span<const PartSurface> parts, const Joi
 
 const Contact* find_contact(std::span<const Contact> contacts, const FaceCorners& face) {
   const Cell<4> key = key_of(face);
-  const auto found =
-      std::lower_bound(contacts.begin(), contacts.end(), key,
-                       [](const Contact& contact, const Cell<4>& wanted) { return contact.key < wanted; });
+  const auto found = std::ranges::lower_bound(contacts, key, {}, &Contact::key);
   return found != contacts.end() && found->key == key ? &*found : nullptr;
 }
 

@@ -350,11 +350,10 @@ class Cutter {
     for (const Piece& piece : pieces_of(faces)) {
       auto patch = static_cast<std::int32_t>(mesh_.info.patches.size());
       for (const std::size_t f : piece.faces)
-        for (std::size_t i = 0; i < 3; ++i)
-          if (const auto at =
-                  there.find({faces[f].label, edge_key(faces[f].corners[i], faces[f].corners[(i + 1) % 3])});
-              at != there.end())
+        for_each_edge_of(faces[f].corners, [&](std::uint32_t a, std::uint32_t b) {
+          if (const auto at = there.find({faces[f].label, edge_key(a, b)}); at != there.end())
             patch = at->second;
+        });
       if (patch == static_cast<std::int32_t>(mesh_.info.patches.size()))
         mesh_.info.patches.push_back({"", PatchKind::kOpening, {faces[piece.faces[0]].label, kBackground}});
       for (const std::size_t f : piece.faces) {
@@ -369,9 +368,9 @@ class Cutter {
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const Patch& patch = mesh_.info.patches[static_cast<std::size_t>(mesh_.triangle_patches[t])];
       if (patch.kind != PatchKind::kOpening || !is_in_plane(mesh_.triangles[t])) continue;
-      for (std::size_t i = 0; i < 3; ++i)
-        edges[{patch.labels[0], edge_key(mesh_.triangles[t][i], mesh_.triangles[t][(i + 1) % 3])}] =
-            mesh_.triangle_patches[t];
+      for_each_edge_of(mesh_.triangles[t], [&](std::uint32_t a, std::uint32_t b) {
+        edges[{patch.labels[0], edge_key(a, b)}] = mesh_.triangle_patches[t];
+      });
     }
     return edges;
   }
@@ -380,11 +379,10 @@ class Cutter {
     DisjointSets joined(faces.size());
     std::map<std::pair<Label, std::uint64_t>, std::size_t> first_at;
     for (std::size_t f = 0; f < faces.size(); ++f)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint64_t edge = edge_key(faces[f].corners[i], faces[f].corners[(i + 1) % 3]);
-        const auto [at, is_new] = first_at.try_emplace({faces[f].label, edge}, f);
+      for_each_edge_of(faces[f].corners, [&](std::uint32_t a, std::uint32_t b) {
+        const auto [at, is_new] = first_at.try_emplace({faces[f].label, edge_key(a, b)}, f);
         if (!is_new) joined.merge(static_cast<std::uint32_t>(at->second), static_cast<std::uint32_t>(f));
-      }
+      });
     std::map<std::uint32_t, Piece> by_root;
     for (std::size_t f = 0; f < faces.size(); ++f) {
       const auto& [a, b, c] = faces[f].corners;

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/relaxed.hpp"
@@ -71,9 +72,7 @@ std::vector<Corner> boundary_corners(const TetMesh& mesh) {
 /// @param vertices  Ascending, each once.
 std::vector<Corner> surfaces(std::span<const Corner> corners, std::span<const Corner> vertices) {
   SharedSets sets(vertices.size());
-  const auto place_of = [&](std::size_t corner) {
-    return static_cast<std::uint32_t>(std::ranges::lower_bound(vertices, corners[corner]) - vertices.begin());
-  };
+  const auto place_of = [&](std::size_t corner) { return rank_in(vertices, corners[corner]); };
   parallel::for_each_index(corners.size() / 3, [&](std::size_t face) {
     const std::uint32_t first = place_of(3 * face);
     sets.unite(first, place_of(3 * face + 1));
@@ -107,15 +106,13 @@ std::vector<TetId> pieces(const TetMesh& mesh) {
 std::vector<LabelShape> label_shapes(const TetMesh& mesh) {
   std::vector<LabelShape> shapes;
   const auto shape_of = [&](Label label) -> LabelShape& {
-    const auto at = std::lower_bound(shapes.begin(), shapes.end(), label,
-                                     [](const LabelShape& s, Label l) { return s.label < l; });
+    const auto at = std::ranges::lower_bound(shapes, label, {}, &LabelShape::label);
     return at != shapes.end() && at->label == label ? *at : *shapes.insert(at, {label});
   };
   for (const TetId t : pieces(mesh)) ++shape_of(mesh.label(t)).components;
   const std::vector<Corner> corners = boundary_corners(mesh);
   std::vector<Corner> vertices = corners;
-  parallel::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  parallel::sort_unique(vertices);
   for (const Corner& first : surfaces(corners, vertices)) ++shape_of(first.label).surfaces;
   for (const Corner& vertex : vertices) shape_of(vertex.label).euler += 2;
   for (std::size_t face = 0; 3 * face < corners.size(); ++face) --shape_of(corners[3 * face].label).euler;

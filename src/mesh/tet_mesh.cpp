@@ -1,5 +1,7 @@
 #include "lumesh/mesh/tet_mesh.hpp"
 
+#include <type_traits>
+
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -8,6 +10,11 @@ namespace lumesh {
 namespace {
 
 constexpr Cell<4> kDeadTet = {VertexId::kNone, VertexId::kNone, VertexId::kNone, VertexId::kNone};
+
+template <class... Arrays>
+void commit_all(std::uint32_t count, Arrays&... arrays) {
+  (arrays.commit(count), ...);
+}
 
 }  // namespace
 
@@ -27,41 +34,25 @@ TetMesh::TetMesh()
 void TetMesh::commit_vertices(std::uint32_t count) {
   if (count > kMaxVertices)
     throw Error(ErrorKind::kMemory, "mesh: more than 2^30 vertices; choose a coarser mesh");
-  points_.commit(count);
-  incident_.commit(count);
-  lock_words_.commit(count);
-  vertex_stamps_.commit(count);
-  dimensions_.commit(count);
-  if (has_metric()) {
-    metric_.commit(count);
-    log_metric_.commit(count);
-    metric_hints_.commit(count);
-    change_epochs_.commit(count);
-  }
+  commit_all(count, points_, incident_, lock_words_, vertex_stamps_, dimensions_);
+  if (has_metric()) commit_all(count, metric_, log_metric_, metric_hints_, change_epochs_);
 }
 
 void TetMesh::commit_tets(std::uint32_t count) {
   if (count > kMaxTets)
     throw Error(ErrorKind::kMemory, "mesh: more than 10^9 tetrahedra; choose a coarser mesh");
-  tets_.commit(count);
-  links_.commit(count);
-  labels_.commit(count);
-  tet_stamps_.commit(count);
-  if (has_metric()) {
-    qualities_.commit(count);
-    trial_epochs_.commit(count);
-  }
+  commit_all(count, tets_, links_, labels_, tet_stamps_);
+  if (has_metric()) commit_all(count, qualities_, trial_epochs_);
   if (has_interfaces()) interface_patches_.commit(count);
 }
 
 void TetMesh::enable_metric() {
   if (has_metric()) return;
-  metric_ = parallel::StableArray<SymTensor>(kMaxVertices);
-  log_metric_ = parallel::StableArray<SymTensor>(kMaxVertices);
-  metric_hints_ = parallel::StableArray<TetId>(kMaxVertices);
-  change_epochs_ = parallel::StableArray<std::uint32_t>(kMaxVertices);
-  qualities_ = parallel::StableArray<float>(kMaxTets);
-  trial_epochs_ = parallel::StableArray<std::uint32_t>(kMaxTets);
+  const auto reserve = [](std::size_t most, auto&... arrays) {
+    ((arrays = std::remove_reference_t<decltype(arrays)>(most)), ...);
+  };
+  reserve(kMaxVertices, metric_, log_metric_, metric_hints_, change_epochs_);
+  reserve(kMaxTets, qualities_, trial_epochs_);
   commit_vertices(vertex_slots());
   commit_tets(tet_slots());
 }

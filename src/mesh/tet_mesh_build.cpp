@@ -5,6 +5,7 @@
 #include <string>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
@@ -94,8 +95,7 @@ class PatchSearch {
   /// Patch of a face, or -1. Different faces may be asked for at the same time.
   [[nodiscard]] std::int32_t patch_of(const Cell<3>& corners) {
     const Cell<3> key = sorted_corners(corners);
-    auto entry = std::lower_bound(entries_.begin(), entries_.end(), key,
-                                  [](const Entry& e, const Cell<3>& k) { return e.corners < k; });
+    auto entry = std::ranges::lower_bound(entries_, key, {}, &Entry::corners);
     if (entry == entries_.end() || entry->corners != key) return -1;
     const std::int32_t patch = entry->patch;
     for (; entry != entries_.end() && entry->corners == key; ++entry)
@@ -261,7 +261,7 @@ struct TetMesh::Assembly {
     }
     return [pairs = std::move(pairs)](Label inside, Label outside, const Cell<3>&) {
       const Pair key = {outside, inside};
-      return static_cast<std::int32_t>(std::ranges::lower_bound(pairs, key) - pairs.begin());
+      return static_cast<std::int32_t>(rank_in(pairs, key));
     };
   }
 

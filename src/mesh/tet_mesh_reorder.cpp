@@ -28,12 +28,18 @@ UninitialisedVector<std::uint32_t> places_of(const std::vector<std::uint32_t>& o
   return places;
 }
 
-/// The slots that `is_alive`, ascending.
-template <class IsAlive>
-std::vector<std::uint32_t> live_slots(std::uint32_t slots, const IsAlive& is_alive) {
+/// The slots of live vertices or tetrahedra, ascending. @param slots  Of all of them.
+template <class Id>
+std::vector<std::uint32_t> live_slots(const TetMesh& mesh, std::uint32_t slots) {
   return parallel::collect<std::uint32_t>(slots, [&](std::size_t i, std::vector<std::uint32_t>& out) {
-    if (const auto slot = static_cast<std::uint32_t>(i); is_alive(slot)) out.push_back(slot);
+    if (const auto slot = static_cast<std::uint32_t>(i); mesh.alive(Id(slot))) out.push_back(slot);
   });
+}
+std::vector<std::uint32_t> live_vertices(const TetMesh& mesh) {
+  return live_slots<VertexId>(mesh, mesh.vertex_slots());
+}
+std::vector<std::uint32_t> live_tets(const TetMesh& mesh) {
+  return live_slots<TetId>(mesh, mesh.tet_slots());
 }
 
 /// A tetrahedron by its vertices, ascending, so that it is sorted by the lowest, then the next ones.
@@ -88,9 +94,8 @@ std::vector<std::uint32_t> sorted_by_vertices(const TetMesh& mesh, const std::ve
 
 void TetMesh::compact() {
   if (is_compact()) return;
-  const auto vertices = live_slots(vertex_slots(), [&](std::uint32_t v) { return alive(VertexId(v)); });
-  const auto tets = live_slots(tet_slots(), [&](std::uint32_t t) { return alive(TetId(t)); });
-  renumber(vertices, places_of(vertices, vertex_slots()), tets);
+  const auto vertices = live_vertices(*this);
+  renumber(vertices, places_of(vertices, vertex_slots()), live_tets(*this));
 }
 
 void TetMesh::keep_only(std::span<const std::uint8_t> kept) {
@@ -111,14 +116,12 @@ void TetMesh::keep_only(std::span<const std::uint8_t> kept) {
   parallel::for_each_index(vertex_slots(), [&](std::size_t v) {
     if (used[v] == 0) dimensions_[v] = VertexDimension::kFreed;
   });
-  const auto vertices = live_slots(vertex_slots(), [&](std::uint32_t v) { return alive(VertexId(v)); });
-  const auto tets = live_slots(tet_slots(), [&](std::uint32_t t) { return alive(TetId(t)); });
-  renumber(vertices, places_of(vertices, vertex_slots()), tets);
+  const auto vertices = live_vertices(*this);
+  renumber(vertices, places_of(vertices, vertex_slots()), live_tets(*this));
 }
 
 void TetMesh::reorder_along_curve() {
-  std::vector<std::uint32_t> vertices =
-      live_slots(vertex_slots(), [&](std::uint32_t v) { return alive(VertexId(v)); });
+  const std::vector<std::uint32_t> vertices = live_vertices(*this);
   UninitialisedVector<Vec3> live_points(vertices.size());
   parallel::for_each_index(vertices.size(), [&](std::size_t i) { live_points[i] = points_[vertices[i]]; });
   std::vector<std::uint32_t> order = hilbert_order(live_points);
@@ -127,8 +130,7 @@ void TetMesh::reorder_along_curve() {
     free_owners();
   } else {
     const auto new_vertex = places_of(order, vertex_slots());
-    const auto tets = live_slots(tet_slots(), [&](std::uint32_t t) { return alive(TetId(t)); });
-    renumber(order, new_vertex, sorted_by_vertices(*this, tets, new_vertex, order.size()));
+    renumber(order, new_vertex, sorted_by_vertices(*this, live_tets(*this), new_vertex, order.size()));
   }
   parallel::for_each_index(vertex_slots(), [&](std::size_t v) { vertex_stamps_[v] = 0; });
   parallel::for_each_index(tet_slots(), [&](std::size_t t) { tet_stamps_[t] = 0; });

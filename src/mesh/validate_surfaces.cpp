@@ -55,8 +55,7 @@ void check_unlinked(const std::vector<SurfaceFace>& faces, ValidationReport& rep
 }
 
 LabelBoundary& entry_of(ValidationReport& report, Label label) {
-  return *std::lower_bound(report.labels.begin(), report.labels.end(), label,
-                           [](const LabelBoundary& entry, Label value) { return entry.label < value; });
+  return *std::ranges::lower_bound(report.labels, label, {}, &LabelBoundary::label);
 }
 
 std::vector<SurfaceSide> surface_sides(const std::vector<SurfaceFace>& faces) {

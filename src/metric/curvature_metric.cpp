@@ -10,6 +10,7 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
@@ -121,8 +122,7 @@ SmoothSurface take_apart(const TetMesh& mesh, double feature_angle_deg) {
   surface.triangles = faces.triangles;
   parallel::for_each_index(piece.size(), [&](std::size_t t) {
     for (std::uint32_t& v : surface.triangles[t]) {
-      const std::array<std::uint32_t, 2> key = {v, piece[t]};
-      v = static_cast<std::uint32_t>(std::lower_bound(corners.begin(), corners.end(), key) - corners.begin());
+      v = rank_in(corners, std::array<std::uint32_t, 2>{v, piece[t]});
     }
   });
   return surface;

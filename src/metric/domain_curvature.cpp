@@ -2,11 +2,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/metric/curvature_metric.hpp"
 #include "lumesh/metric/tensor.hpp"

@@ -123,7 +123,7 @@ double prepare_hole(auto& site, TetId t, int hole, const AngleRules& rules, Vec3
     vertex.point = middle_of(mesh, a, b, ring);
     cavity.begin(ring.tets);
   } else {
-    vertex.point = 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
+    vertex.point = mesh.centroid(t);
     cavity.begin({&t, 1});
   }
   vertex.hint = mesh.metric_hint(mesh.vertex(t, 0));

@@ -99,7 +99,7 @@ Outcome EdgeSplit::operator()(auto& site, const TetEdge& edge) const {
 Outcome CentroidInsertion::operator()(auto& site, TetId t) const {
   const TetMesh& mesh = site.mesh;
   NewVertex vertex;
-  vertex.point = 0.25 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2) + mesh.corner(t, 3));
+  vertex.point = mesh.centroid(t);
   vertex.hint = mesh.metric_hint(mesh.vertex(t, 0));
   vertex.metric = site.subject.field.at(vertex.point, vertex.hint);
   if (is_encroaching(mesh, vertex, mesh.tet(t), rules.min_length)) return Outcome::kRejected;

@@ -166,21 +166,18 @@ void OrderedExecution::append_made(const std::vector<Made>& made) {
   constexpr std::size_t kBucketBlock = 16;
   const TetMesh& mesh = subject_.mesh;
   const std::uint32_t first_run = next_run_ - partition_.buckets;
-  const auto append = [&](std::vector<std::uint32_t>& items, const auto& of, const auto& stamp_of) {
+  const auto append = [&](std::vector<std::uint32_t>& items, std::vector<std::uint32_t> Made::*of,
+                          const auto& stamp_of) {
     const auto more = parallel::collect<std::uint32_t>(
         made.size(), kBucketBlock, [&](std::size_t bucket, std::vector<std::uint32_t>& out) {
           const std::uint32_t stamp = 2 * (first_run + static_cast<std::uint32_t>(bucket)) + 1;
-          for (const std::uint32_t item : of(made[bucket]))
+          for (const std::uint32_t item : made[bucket].*of)
             if (stamp_of(item) == stamp) out.push_back(item);
         });
     items.insert(items.end(), more.begin(), more.end());
   };
-  append(
-      tets_, [](const Made& one) -> const auto& { return one.tets; },
-      [&](std::uint32_t t) { return mesh.stamp(TetId(t)); });
-  append(
-      vertices_, [](const Made& one) -> const auto& { return one.vertices; },
-      [&](std::uint32_t v) { return mesh.stamp(VertexId(v)); });
+  append(tets_, &Made::tets, [&](std::uint32_t t) { return mesh.stamp(TetId(t)); });
+  append(vertices_, &Made::vertices, [&](std::uint32_t v) { return mesh.stamp(VertexId(v)); });
 }
 
 }  // namespace lumesh::operators

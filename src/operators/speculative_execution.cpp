@@ -5,7 +5,6 @@
 
 #include "execution_parts.hpp"
 #include "lumesh/parallel/loops.hpp"
-#include "lumesh/parallel/word_lock.hpp"
 
 namespace lumesh::operators {
 namespace {

@@ -57,8 +57,7 @@ namespace {
 /// The entry of a label, made if it is not there.
 LabelEvaluation& entry(Evaluation& evaluation, Label label) {
   auto& labels = evaluation.labels;
-  auto at = std::lower_bound(labels.begin(), labels.end(), label,
-                             [](const LabelEvaluation& l, Label wanted) { return l.label < wanted; });
+  auto at = std::ranges::lower_bound(labels, label, {}, &LabelEvaluation::label);
   if (at == labels.end() || at->label != label) {
     at = labels.insert(at, LabelEvaluation());
     at->label = label;

@@ -18,11 +18,7 @@ namespace lumesh::quality {
 class RowsOfTetrahedron {
  public:
   explicit RowsOfTetrahedron(const std::array<Vec3, 4>& corners) {
-    low_ = high_ = corners[0];
-    for (const Vec3& p : corners) {
-      low_ = low_.cwiseMin(p);
-      high_ = high_.cwiseMax(p);
-    }
+    for (const Vec3& p : corners) box_.extend(p);
     for (std::size_t side = 0; side < 4; ++side) {
       const Vec3& a = corners[(side + 1) % 4];
       Vec3 normal = (corners[(side + 2) % 4] - a).cross(corners[(side + 3) % 4] - a);
@@ -37,12 +33,12 @@ class RowsOfTetrahedron {
 
   [[nodiscard]] bool flat() const { return flat_; }
   /// Whole numbers from first to last lie in its box along an axis.
-  [[nodiscard]] std::int32_t first(int axis) const { return first_from(low_[axis]); }
-  [[nodiscard]] std::int32_t last(int axis) const { return last_to(high_[axis]); }
+  [[nodiscard]] std::int32_t first(int axis) const { return first_from(box_.min()[axis]); }
+  [[nodiscard]] std::int32_t last(int axis) const { return last_to(box_.max()[axis]); }
 
   /// The points [begin, end) of row (j, k) that it holds.
   [[nodiscard]] image::Run in_row(int j, int k) const {
-    double low = low_.x(), high = high_.x();
+    double low = box_.min().x(), high = box_.max().x();
     for (std::size_t side = 0; side < 4; ++side) {
       const Vec3& n = normals_[side];
       const double rest = bounds_[side] - n.y() * j - n.z() * k;  // n.x() * i <= rest
@@ -69,7 +65,7 @@ class RowsOfTetrahedron {
 
   std::array<Vec3, 4> normals_;  // Outward, unit.
   std::array<double, 4> bounds_;
-  Vec3 low_, high_;
+  Box3 box_;
   bool flat_ = false;
 };
 

@@ -6,6 +6,7 @@
 
 #include "extremes.hpp"
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -190,8 +191,7 @@ VolumeTally measure_volumes(const MeshView& mesh) {
         for (std::size_t i = begin; i < end; ++i) {
           const Label label = cells.label(i);
           if (entry->label != label)
-            entry = std::lower_bound(part.labels.begin(), part.labels.end(), label,
-                                     [](const LabelVolume& l, Label wanted) { return l.label < wanted; });
+            entry = std::ranges::lower_bound(part.labels, label, {}, &LabelVolume::label);
           const double volume = cells.volume(i);
           ++entry->cells;
           entry->volume_mm3 += volume;
@@ -232,10 +232,9 @@ MeshStatistics measure(const MeshView& mesh) {
   VolumeTally volumes = measure_volumes(mesh);
   result.labels = std::move(volumes.labels);
   result.inverted_cells = volumes.inverted;
-  if (!mesh.points.empty()) result.low_mm = result.high_mm = mesh.points[0];
-  for (const Vec3& p : mesh.points) {
-    result.low_mm = result.low_mm.cwiseMin(p);
-    result.high_mm = result.high_mm.cwiseMax(p);
+  if (const Box3 box = bounding_box(mesh.points); !box.isEmpty()) {
+    result.low_mm = box.min();
+    result.high_mm = box.max();
   }
   return result;
 }

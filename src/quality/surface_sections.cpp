@@ -82,8 +82,7 @@ Loops chain(std::vector<Segment> segments) {
     return a.from != b.from ? a.from < b.from : a.to < b.to;
   });
   const auto next_of = [&](std::uint64_t edge) {
-    const auto at = std::lower_bound(segments.begin(), segments.end(), edge,
-                                     [](const Segment& s, std::uint64_t e) { return s.from < e; });
+    const auto at = std::ranges::lower_bound(segments, edge, {}, &Segment::from);
     const bool found = at != segments.end() && at->from == edge;
     return found ? static_cast<std::size_t>(at - segments.begin()) : segments.size();
   };

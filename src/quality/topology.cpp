@@ -157,10 +157,8 @@ struct Labelled {
 using Counts = std::vector<std::int64_t>;  // Per label, and of the union at the end.
 
 std::size_t index_of(const std::vector<SolidTopology>& labels, Label label) {
-  return static_cast<std::size_t>(
-      std::lower_bound(labels.begin(), labels.end(), label,
-                       [](const SolidTopology& s, Label wanted) { return s.label < wanted; }) -
-      labels.begin());
+  return static_cast<std::size_t>(std::ranges::lower_bound(labels, label, {}, &SolidTopology::label) -
+                                  labels.begin());
 }
 
 /// Number of different simplices per label and in the union.

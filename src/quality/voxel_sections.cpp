@@ -87,8 +87,7 @@ double area_in_voxel(const ImagePlane& plane, const Index3& voxel) {
 /// The voxel of the object to begin with.
 std::optional<Index3> first_voxel(const LabelImage& image, const ImagePlane& plane, const Vec3& origin_mm) {
   const Vec3 index = image.frame().to_index(origin_mm);
-  const Index3 own(static_cast<int>(std::lround(index.x())), static_cast<int>(std::lround(index.y())),
-                   static_cast<int>(std::lround(index.z())));
+  const Index3 own = index.array().round().cast<int>();
   std::optional<Index3> best;
   double smallest = std::numeric_limits<double>::infinity();
   for_each_place(own - Index3::Ones(), own + Index3::Ones(), [&](const Index3& voxel) {

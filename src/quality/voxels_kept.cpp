@@ -4,6 +4,7 @@
 
 #include "counted_voxels.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/sum.hpp"
@@ -56,14 +57,11 @@ class Marks {
 
 /// The voxels whose centres can lie in the points' box.
 VoxelBox box_of(std::span<const Vec3> points_in_voxels) {
-  Vec3 low = points_in_voxels[0], high = low;
-  for (const Vec3& p : points_in_voxels) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+  const Box3 box = bounding_box(points_in_voxels);
   // Numbers far outside of any image keep within what an index can be.
   const auto index = [](const Vec3& p) { return Index3(p.cwiseMax(-1e9).cwiseMin(1e9).cast<int>()); };
-  return {index((low.array() - kOnBoundary).ceil()), index((high.array() + kOnBoundary).floor() + 1)};
+  return {index((box.min().array() - kOnBoundary).ceil()),
+          index((box.max().array() + kOnBoundary).floor() + 1)};
 }
 
 /// A voxel that is not where its label is in the mesh, or on the boundary of that.

@@ -17,18 +17,15 @@ namespace {
 
 using namespace lumesh::quality;
 
-/// The mesh that the last stage left, if it was looked at.
-const StageReport* last_evaluated(const CaseReport& report) {
-  const auto found = std::find_if(report.stages.rbegin(), report.stages.rend(),
-                                  [](const StageReport& stage) { return stage.evaluation.has_value(); });
-  return found == report.stages.rend() ? nullptr : &*found;
-}
+enum class Layers { kAny, kNone };
 
-/// The last one without boundary layers: what the metric asked for, and the image, can be compared with it.
-const StageReport* last_without_layers(const CaseReport& report) {
-  const auto found = std::find_if(report.stages.rbegin(), report.stages.rend(), [](const StageReport& stage) {
-    return stage.evaluation.has_value() && !stage.layers;
-  });
+/// The last mesh that was looked at. @param layers  kNone: the last one without boundary layers; what the
+/// metric asked for, and the image, can be compared with that.
+const StageReport* last_evaluated(const CaseReport& report, Layers layers = Layers::kAny) {
+  const auto is_wanted = [&](const StageReport& stage) {
+    return stage.evaluation.has_value() && (layers == Layers::kAny || !stage.layers);
+  };
+  const auto found = std::find_if(report.stages.rbegin(), report.stages.rend(), is_wanted);
   return found == report.stages.rend() ? nullptr : &*found;
 }
 
@@ -151,7 +148,7 @@ std::string case_tiles(const CaseReport& report) {
   if (const StageReport* last = last_evaluated(report)) {
     html += size_tiles(*last);
     if (last->layers) html += parts_tiles(*last->layers);
-    if (const StageReport* plain = last_without_layers(report))
+    if (const StageReport* plain = last_evaluated(report, Layers::kNone))
       html += quality_tiles(*plain->evaluation, last->layers ? ", before the layers" : "");
   }
   html += tile(duration(report.seconds), "in all");

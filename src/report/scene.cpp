@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
 
@@ -57,9 +58,7 @@ Palette::Palette(const MeshView& mesh, const MeshSurface& surface) : mesh_(mesh)
 }
 
 Colour Palette::of(Label label, std::int32_t patch) const {
-  if (labels_.size() > 1)
-    return distinct_colour(
-        static_cast<std::size_t>(std::ranges::lower_bound(labels_, label) - labels_.begin()));
+  if (labels_.size() > 1) return distinct_colour(rank_in(labels_, label));
   const bool known = patch >= 0 && static_cast<std::size_t>(patch) < patch_colours_.size();
   return known ? patch_colours_[static_cast<std::size_t>(patch)] : kWallColour;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace lumesh::report {
@@ -24,13 +23,13 @@ std::vector<CellPoint> some_cells(const MeshView& mesh) {
   std::vector<CellPoint> cells;
   const auto add = [&](const auto& all) {
     for (std::size_t i = 0; i < all.size(); i += stride) {
-      Vec3 low = mesh.points[all[i][0]], high = low, sum = Vec3::Zero();
+      Box3 box;
+      Vec3 sum = Vec3::Zero();
       for (const std::uint32_t v : all[i]) {
-        low = low.cwiseMin(mesh.points[v]);
-        high = high.cwiseMax(mesh.points[v]);
+        box.extend(mesh.points[v]);
         sum += mesh.points[v];
       }
-      cells.push_back({sum / static_cast<double>(all[i].size()), (high - low).prod()});
+      cells.push_back({sum / static_cast<double>(all[i].size()), box.volume()});
     }
   };
   add(mesh.tetrahedra);
@@ -66,13 +65,10 @@ Slab fullest_slab(const std::vector<CellPoint>& cells, const Vec3& normal, doubl
 SectionView widest_section(const MeshView& mesh, const ViewAngles& angles, const Vec3& apart_from) {
   constexpr double kAlike = 0.7072;  // Cosine of a bit less than 45 degrees.
   const std::vector<CellPoint> cells = some_cells(mesh);
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const CellPoint& cell : cells) {
-    low = low.cwiseMin(cell.middle);
-    high = high.cwiseMax(cell.middle);
-  }
-  const Vec3 centre = (low + high) / 2;
-  const double reach_mm = std::max((high - low).norm() / 2, 1e-9) * 1.001,
+  Box3 box;
+  for (const CellPoint& cell : cells) box.extend(cell.middle);
+  const Vec3 centre = box.center();
+  const double reach_mm = std::max(box.diagonal().norm() / 2, 1e-9) * 1.001,
                thickness_mm = 2 * reach_mm / kSlabs;
   SectionView best;
   double best_score = -1;

@@ -5,7 +5,6 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/validate.hpp"
-#include "lumesh/stages/input_parts.hpp"
 
 namespace lumesh {
 namespace {

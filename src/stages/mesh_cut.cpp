@@ -114,16 +114,17 @@ std::vector<CutMesh::Opening> measure(const MixedMesh& mesh, const std::set<std:
     opening.name = mesh.info.patches[p].name;
     std::map<std::uint64_t, std::size_t> at_edge;  // Its triangle.
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      for (std::size_t i = 0; i < 3 && mesh.triangle_patches[t] == static_cast<std::int32_t>(p); ++i)
-        at_edge[edge_key(mesh.triangles[t][i], mesh.triangles[t][(i + 1) % 3])] = t;
+      if (mesh.triangle_patches[t] == static_cast<std::int32_t>(p))
+        for_each_edge_of(mesh.triangles[t],
+                         [&](std::uint32_t a, std::uint32_t b) { at_edge[edge_key(a, b)] = t; });
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto patch = static_cast<std::size_t>(mesh.triangle_patches[t]);
       if (mesh.info.patches[patch].kind != PatchKind::kWall) continue;
-      for (std::size_t i = 0; i < 3; ++i)
-        if (const auto at = at_edge.find(edge_key(mesh.triangles[t][i], mesh.triangles[t][(i + 1) % 3]));
-            at != at_edge.end())
+      for_each_edge_of(mesh.triangles[t], [&](std::uint32_t a, std::uint32_t b) {
+        if (const auto at = at_edge.find(edge_key(a, b)); at != at_edge.end())
           opening.min_angle_deg =
               std::min(opening.min_angle_deg, angle_inside_deg(normal_of(t), normal_of(at->second)));
+      });
     }
     AreaSum sum;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -95,12 +95,10 @@ void for_each_patch_face(const Mesh& mesh, const Visit& visit) {
 /// Calls visit(corners, patch) for every triangle of the patches, and for the halves of every quadrilateral.
 template <class Visit>
 void for_each_patch_triangle(const MeshView& mesh, const Visit& visit) {
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) visit(mesh.triangles[t], mesh.triangle_patches[t]);
-  for (std::size_t q = 0; q < mesh.quadrilaterals.size(); ++q) {
-    const auto& [a, b, c, d] = mesh.quadrilaterals[q];
-    visit(Cell<3>{a, b, c}, mesh.quadrilateral_patches[q]);
-    visit(Cell<3>{a, c, d}, mesh.quadrilateral_patches[q]);
-  }
+  for_each_patch_face(mesh, [&]<std::size_t N>(const Cell<N>& face, std::int32_t patch) {
+    visit(Cell<3>{face[0], face[1], face[2]}, patch);
+    if constexpr (N == 4) visit(Cell<3>{face[0], face[2], face[3]}, patch);
+  });
 }
 
 /// A mesh that owns its arrays; what readers return and what mixed-cell stages make.

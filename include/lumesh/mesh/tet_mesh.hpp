@@ -191,6 +191,9 @@ class TetMesh {
   [[nodiscard]] const Cell<4>& tet(TetId t) const { return tets_[t.value]; }
   [[nodiscard]] VertexId vertex(TetId t, int i) const { return VertexId(tets_[t.value][i]); }
   [[nodiscard]] const Vec3& corner(TetId t, int i) const { return points_[tets_[t.value][i]]; }
+  [[nodiscard]] Vec3 centroid(TetId t) const {
+    return 0.25 * (corner(t, 0) + corner(t, 1) + corner(t, 2) + corner(t, 3));
+  }
   void set_tet(TetId t, const Cell<4>& vertices) {
     for (int i = 0; i < 4; ++i) parallel::store_relaxed(tets_[t.value][i], vertices[i]);
   }

@@ -19,10 +19,9 @@ namespace lumesh {
 /// Notes the edges of a face: of all faces noted, those with one face are left.
 template <class Corners>
 void toggle_edges(const Corners& corners, std::set<std::uint64_t>& rim) {
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    if (const std::uint64_t edge = edge_key(corners[i], corners[(i + 1) % corners.size()]);
-        !rim.insert(edge).second)
-      rim.erase(edge);
+  for_each_edge_of(corners, [&](std::uint32_t from, std::uint32_t to) {
+    if (const std::uint64_t edge = edge_key(from, to); !rim.insert(edge).second) rim.erase(edge);
+  });
 }
 
 /// How many connected curves edges make. @param edges  By edge_key().
