@@ -8,6 +8,7 @@
 
 #include "file_fault.hpp"
 #include "format_table.hpp"
+#include "lumesh/geometry/metric_fault.hpp"
 #include "medit_bytes.hpp"
 #include "mesh_formats.hpp"
 #include "metric_tensors.hpp"
@@ -159,7 +160,7 @@ class FieldReader {
     io::TensorNumbers numbers{};
     for (double& number : numbers) number = source_.real();
     const SymTensor tensor = io::from_medit_order(numbers);
-    if (const std::string_view fault = io::metric_fault(tensor); !fault.empty())
+    if (const std::string_view fault = metric_fault(tensor); !fault.empty())
       source_.unsuitable(fmt::format("the tensor of vertex {} {}; the order is {}", vertex, fault, kOrder));
     return tensor;
   }
@@ -168,7 +169,7 @@ class FieldReader {
     const double size_mm = source_.real();
     const double inverse_square = 1 / size_mm / size_mm;
     const SymTensor tensor = SymTensor::diagonal(inverse_square, inverse_square, inverse_square);
-    if (!(size_mm > 0) || !io::metric_fault(tensor).empty())
+    if (!(size_mm > 0) || !metric_fault(tensor).empty())
       source_.unsuitable(
           fmt::format("the size of vertex {} is {}, not a usable length above 0", vertex, size_mm));
     return tensor;
@@ -177,6 +178,14 @@ class FieldReader {
   Source source_;
   std::size_t expected_count_;
 };
+
+template <class Read>
+auto read_field(const std::filesystem::path& path, std::size_t expected_count, const Read& read) {
+  const Encoding encoding = encoding_of(path);
+  io::check_file(path);
+  return encoding == Encoding::kText ? read(FieldReader<TextSource>(path, expected_count))
+                                     : read(FieldReader<ByteSource>(path, expected_count));
+}
 
 void write_text(const std::filesystem::path& path, std::span<const SymTensor> metric) {
   io::OutputFile file(path);
@@ -205,23 +214,17 @@ void write_binary(const std::filesystem::path& path, std::span<const SymTensor> 
 }  // namespace
 
 std::vector<SymTensor> read_metric(const std::filesystem::path& path, std::size_t expected_count) {
-  const Encoding encoding = encoding_of(path);
-  io::check_file(path);
-  if (encoding == Encoding::kText) return FieldReader<TextSource>(path, expected_count).read();
-  return FieldReader<ByteSource>(path, expected_count).read();
+  return read_field(path, expected_count, [](auto&& reader) { return reader.read(); });
 }
 
 std::vector<double> read_solution(const std::filesystem::path& path, std::size_t expected_count) {
-  const Encoding encoding = encoding_of(path);
-  io::check_file(path);
-  if (encoding == Encoding::kText) return FieldReader<TextSource>(path, expected_count).read_numbers();
-  return FieldReader<ByteSource>(path, expected_count).read_numbers();
+  return read_field(path, expected_count, [](auto&& reader) { return reader.read_numbers(); });
 }
 
 void write_metric(const std::filesystem::path& path, std::span<const SymTensor> metric) {
   const Encoding encoding = encoding_of(path);
   for (std::size_t i = 0; i < metric.size(); ++i) {
-    if (const std::string_view fault = io::metric_fault(metric[i]); !fault.empty())
+    if (const std::string_view fault = metric_fault(metric[i]); !fault.empty())
       io::fail(path, fmt::format("is not written: the tensor of vertex {} {}", i + 1, fault));
   }
   if (encoding == Encoding::kText) return write_text(path, metric);

@@ -4,30 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "file_fault.hpp"
+#include "lumesh/geometry/metric_fault.hpp"
 
 namespace lumesh::io {
 
 namespace {
 
 constexpr std::size_t kFullMatrix = 9;
-
-/// The pivots of L D L^T, each against the rounding of the entry it is taken from. Scaling an axis does not
-/// change what this decides, so strong anisotropy along the axes costs nothing; the determinant and the
-/// minors would under- or overflow.
-bool positive_definite(const SymTensor& t) {
-  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
-  if (!(t.xx > 0 && t.yy > 0 && t.zz > 0)) return false;
-  const double l_yx = t.xy / t.xx;
-  const double l_zx = t.xz / t.xx;
-  const double pivot_y = t.yy - l_yx * t.xy;
-  if (!(pivot_y > kRounding * t.yy)) return false;
-  const double below = t.yz - l_zx * t.xy;
-  const double pivot_z = t.zz - l_zx * t.xz - below / pivot_y * below;
-  return pivot_z > kRounding * t.zz;
-}
 
 /// Half the difference of the entries may be rounding of single precision, no more.
 bool is_symmetric(std::span<const double> matrix) {
@@ -45,12 +30,6 @@ SymTensor from_full_matrix(std::span<const double> m) {
 }
 
 }  // namespace
-
-std::string_view metric_fault(const SymTensor& tensor) {
-  const TensorNumbers numbers = to_vtk_order(tensor);
-  if (!std::ranges::all_of(numbers, [](double n) { return std::isfinite(n); })) return "is not finite";
-  return positive_definite(tensor) ? "" : "is not positive definite";
-}
 
 std::vector<SymTensor> metric_from_vtk(const std::filesystem::path& path, std::span<const double> values,
                                        std::size_t components, std::size_t points) {

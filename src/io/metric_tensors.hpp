@@ -33,10 +33,6 @@ inline constexpr std::array<std::string_view, 6> kVtkTensorNames = {"XX", "YY", 
   return {.xx = n[0], .xy = n[1], .xz = n[3], .yy = n[2], .yz = n[4], .zz = n[5]};
 }
 
-/// What keeps a tensor from being a metric, such as "is not finite"; empty if it is finite and positive
-/// definite. Ratios of sizes up to about 10^7 between directions are told from rounding in double precision.
-[[nodiscard]] std::string_view metric_fault(const SymTensor& tensor);
-
 /// The point array `metric` of a VTK file.
 /// @param values      Tuple after tuple, of 6 numbers in VTK's order or of 9, the full matrix by rows.
 /// @param components  Numbers per tuple.

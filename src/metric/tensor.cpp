@@ -6,8 +6,6 @@
 namespace lumesh::metric {
 namespace {
 
-constexpr double kMaxStretch = 1e30;  // Of eigenvalues: sizes may differ by 10^15.
-
 template <class Function>
 SymTensor on_eigenvalues(const SymTensor& tensor, const Function& function) {
   EigenSystem system = eigen_system(tensor);
@@ -20,13 +18,6 @@ SymTensor on_eigenvalues(const SymTensor& tensor, const Function& function) {
 EigenSystem eigen_system(const SymTensor& tensor) {
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(tensor.matrix());
   return {solver.eigenvalues(), solver.eigenvectors()};
-}
-
-bool is_metric(const SymTensor& tensor) {
-  for (const double number : {tensor.xx, tensor.xy, tensor.xz, tensor.yy, tensor.yz, tensor.zz})
-    if (!std::isfinite(number)) return false;
-  const Vec3 values = eigen_system(tensor).values;
-  return values[0] > 0 && values[2] <= kMaxStretch * values[0];
 }
 
 SymTensor from_sizes(const Mat3& axes, const Vec3& sizes_mm) {

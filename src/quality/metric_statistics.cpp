@@ -10,6 +10,7 @@
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/metric_fault.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -55,7 +56,7 @@ VertexMetrics take_logarithms(const MeshView& mesh, const CornersByVertex& corne
       mesh.points.size(), kVertexBlock, Refused(),
       [&](Refused& part, std::size_t v) {
         if (corners.of(v).empty()) return;
-        if (!metric::is_metric(mesh.metric[v])) {
+        if (!is_metric(mesh.metric[v])) {
           if (part.count++ == 0) part.first = v;
           return;
         }

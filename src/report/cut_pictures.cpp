@@ -7,6 +7,7 @@
 #include "cut_cells.hpp"
 #include "cut_window.hpp"
 #include "lumesh/core/assert.hpp"
+#include "lumesh/geometry/metric_fault.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"
@@ -64,7 +65,7 @@ void for_each_section(const MeshView& mesh, const CutPlane& plane, const Visit& 
 double metric_quality(const MeshView& mesh, const Cell<4>& cell) {
   std::array<SymTensor, 4> logs;
   for (std::size_t i = 0; i < 4; ++i) {
-    if (!metric::is_metric(mesh.metric[cell[i]])) return -1;
+    if (!is_metric(mesh.metric[cell[i]])) return -1;
     logs[i] = metric::log(mesh.metric[cell[i]]);
   }
   return metric::mean_ratio(mesh.points[cell[0]], mesh.points[cell[1]], mesh.points[cell[2]],

@@ -6,6 +6,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/geometry/metric_fault.hpp"
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/metric/tensor.hpp"
 
@@ -48,7 +49,7 @@ std::vector<SymTensor> metric_of(const MixedMesh& mesh, const std::string& mesh_
     throw without_metric(mesh_path, "make one with `lumesh metric`, or give " + option_name("metric") +
                                         " or " + option_name("analytic"));
   for (std::size_t i = 0; i < tensors.size(); ++i)
-    if (!metric::is_metric(tensors[i]))
+    if (!is_metric(tensors[i]))
       throw Error(ErrorKind::kBadInput, fmt::format("{}: the tensor of vertex {}, counted from 0, is no "
                                                     "metric; its eigenvalues must be finite, above 0 "
                                                     "and within a factor of 1e30 of each other",

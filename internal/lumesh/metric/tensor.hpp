@@ -21,9 +21,6 @@ struct EigenSystem {
 };
 [[nodiscard]] EigenSystem eigen_system(const SymTensor& tensor);
 
-/// True for a finite tensor whose eigenvalues are positive and no more than 10^30 times apart.
-[[nodiscard]] bool is_metric(const SymTensor& tensor);
-
 /// The metric with the given sizes in mm (> 0) along the columns of `axes` (orthonormal).
 [[nodiscard]] SymTensor from_sizes(const Mat3& axes, const Vec3& sizes_mm);
 

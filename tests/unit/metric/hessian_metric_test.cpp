@@ -9,6 +9,7 @@
 
 #include "fixtures/meshes.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/metric_fault.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"

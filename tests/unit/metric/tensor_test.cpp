@@ -71,16 +71,5 @@ TEST(Tensor, IntersectionOfSharedAxesTakesTheSmallerSizes) {
   EXPECT_LT(difference(intersection(a, a), a), 1e-12);
 }
 
-TEST(Tensor, OnlyPositiveDefiniteFiniteTensorsAreMetrics) {
-  EXPECT_TRUE(is_metric(SymTensor::diagonal(1, 2, 3)));
-  EXPECT_FALSE(is_metric(SymTensor::diagonal(1, 0, 3)));
-  EXPECT_FALSE(is_metric(SymTensor::diagonal(1, -2, 3)));
-  EXPECT_FALSE(is_metric(SymTensor{}));
-  EXPECT_FALSE(is_metric(SymTensor{1, 2, 0, 1, 0, 1}));  // Positive diagonal, negative eigenvalue.
-  const double nan = std::nan("");
-  EXPECT_FALSE(is_metric(SymTensor{1, nan, 0, 1, 0, 1}));
-  EXPECT_FALSE(is_metric(SymTensor::diagonal(1, 1, std::numeric_limits<double>::infinity())));
-}
-
 }  // namespace
 }  // namespace lumesh::metric

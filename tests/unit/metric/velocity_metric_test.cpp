@@ -10,6 +10,7 @@
 #include <string>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/metric_fault.hpp"
 #include "lumesh/metric/tensor.hpp"
 #include "lumesh/parallel/loops.hpp"
 
