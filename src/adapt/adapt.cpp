@@ -228,10 +228,9 @@ AdaptReport adapt_once(TetMesh& mesh, const metric::MetricField& field, const op
 std::vector<bool> vertices_outside(const TetMesh& mesh, const operators::KeepWithin& keep_within) {
   constexpr double kMoved = 1e-9;  // Of the coordinates: what rounding does.
   std::vector<bool> outside(mesh.vertex_count(), false);
-  if (!keep_within) return outside;
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3& p = mesh.points()[v];
-    outside[v] = (keep_within(p) - p).norm() > kMoved * (1 + p.norm());
+    outside[v] = operators::distance_outside(keep_within, p) > kMoved * (1 + p.norm());
   }
   return outside;
 }

@@ -53,7 +53,7 @@ SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const Lat
     for_each_voxel_near_boundary(image_, domain_.field(), b, [&](const Index3& voxel) { note_voxel(voxel); });
   });
   for (const Opening& opening : find_openings(domain)) note_opening(opening);
-  keep_within(options.max_tetrahedra, object_voxels);
+  coarsen_to(options.max_tetrahedra, object_voxels);
 }
 
 /// A vessel that an edge of the image cuts is wider than its openings.
@@ -89,7 +89,7 @@ double SizeGrid::predict(int cap, double object_mm3) const {
   return per_mm3 * (object_mm3 + 0.75 * cell_mm3 * sum);
 }
 
-void SizeGrid::keep_within(std::size_t max_tetrahedra, std::size_t object_voxels) {
+void SizeGrid::coarsen_to(std::size_t max_tetrahedra, std::size_t object_voxels) {
   const double object_mm3 = static_cast<double>(object_voxels) * image_.frame().voxel_volume_mm3();
   double predicted = predict(cap_, object_mm3);
   while (predicted > static_cast<double>(max_tetrahedra) && cap_ > min_level_)
@@ -160,9 +160,7 @@ double SizeGrid::chord_mm(const Index3& voxel, const Vec3& inwards, LabelImage::
   const double step_mm = 0.5 * frame.spacing_mm.minCoeff();
   const double behind_mm = 0.5 * step_mm + 0.25 * frame.spacing_mm.minCoeff();
   for (double t = step_mm; t + behind_mm < limit_mm; t += step_mm) {
-    const Vec3 x = start + t * step;
-    const Index3 v(static_cast<int>(std::lround(x.x())), static_cast<int>(std::lround(x.y())),
-                   static_cast<int>(std::lround(x.z())));
+    const Index3 v = (start + t * step).array().round().cast<int>();
     if (!frame.contains(v)) return limit_mm;
     if (image_.at(v) != label) return t + behind_mm;
   }

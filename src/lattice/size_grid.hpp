@@ -60,7 +60,7 @@ class SizeGrid {
   void note_voxel(const Index3& voxel);
   void note_opening(const Opening& opening);
   [[nodiscard]] int level_for(double edge_mm) const;
-  void keep_within(std::size_t max_tetrahedra, std::size_t object_voxels);
+  void coarsen_to(std::size_t max_tetrahedra, std::size_t object_voxels);
   [[nodiscard]] double predict(int cap, double object_mm3) const;
 
   const LabelImage& image_;

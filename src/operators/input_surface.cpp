@@ -48,7 +48,7 @@ Vec3 InputSurface::smooth(PatchId patch, const TriangleTree::Nearest& nearest) c
   const std::array<Vec3, 3> normals = {normals_[a], normals_[b], normals_[c]};
   if (shape_of(corners, normals) != FaceShape::kSmooth) return nearest.point;
   const Vec3 place = over_triangle(corners, normals, nearest.point).point;
-  return keep_within_ && keep_within_(place) != place ? nearest.point : place;
+  return distance_outside(keep_within_, place) > 0 ? nearest.point : place;
 }
 
 }  // namespace lumesh::operators

@@ -9,12 +9,11 @@ namespace lumesh {
 
 std::string note_on_vertices_outside(std::span<const Vec3> points, const operators::KeepWithin& keep_within,
                                      double seen_mm, const std::string& remedy) {
-  if (!keep_within) return "";
   std::size_t count = 0;
   double furthest_mm = 0;
   Vec3 worst = Vec3::Zero();
   for (const Vec3& p : points) {
-    const double outside_mm = (keep_within(p) - p).norm();
+    const double outside_mm = operators::distance_outside(keep_within, p);
     if (outside_mm > seen_mm) ++count;
     if (outside_mm > furthest_mm) {
       furthest_mm = outside_mm;

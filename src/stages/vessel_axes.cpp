@@ -10,6 +10,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 
@@ -145,10 +146,9 @@ std::string doubt_about_section(const AxisPlace& place, double section_mm2) {
   constexpr double kWide = 1.5;
   const double of_vessel = std::numbers::pi * place.radius_mm * place.radius_mm;
   if (section_mm2 <= kWide * of_vessel) return "";
-  return fmt::format(
-      "the cut at {} has a section of {:.3g} mm², {:.1f} times that of the vessel's radius there, {:.3g} mm: "
-      "look whether it forks or bulges there",
-      place_text(place.across.point_mm), section_mm2, section_mm2 / of_vessel, place.radius_mm);
+  return section_text("the cut at " + place_text(place.across.point_mm), section_mm2, of_vessel,
+                      place.radius_mm) +
+         "look whether it forks or bulges there";
 }
 
 }  // namespace lumesh

@@ -39,6 +39,11 @@ using PlaceOnPatch = std::function<std::optional<SurfacePoint>(PatchId patch, co
 /// The place itself if a vertex may be there, else the one to take instead. Called from several threads;
 /// objects that it refers to must outlive the call.
 using KeepWithin = std::function<Vec3(const Vec3& place)>;
+/// How far a place is from the one to take instead; 0 where a vertex may be. @param keep_within  Null:
+/// everywhere.
+[[nodiscard]] inline double distance_outside(const KeepWithin& keep_within, const Vec3& place) {
+  return keep_within ? (keep_within(place) - place).norm() : 0;
+}
 
 /// Whether a vertex stays where it is. Called from several threads; null: none.
 using Stays = std::function<bool(const Vec3& place)>;
