@@ -5,7 +5,7 @@
 #include "lumesh/domain/image_surface.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
-#include "lumesh/operators/settling.hpp"
+#include "lumesh/operators/sagittas.hpp"
 #include "lumesh/parallel/sum.hpp"
 
 namespace lumesh::operators {

@@ -9,7 +9,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/operators/patch_shapes.hpp"
-#include "lumesh/operators/settling.hpp"
+#include "lumesh/operators/sagittas.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::operators {

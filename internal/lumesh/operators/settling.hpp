@@ -23,24 +23,6 @@
 
 namespace lumesh::operators {
 
-/// Mean height of the surface through three places with these normals over the triangle between them: exact
-/// where the surface is a quadratic function. Negative where it is hollow.
-[[nodiscard]] double sagitta_of(const std::array<SurfacePoint, 3>& corners);
-
-/// Mean height of the curve between two places of a plane, with its normals there, over its chord.
-[[nodiscard]] double mean_arc_height(const SurfacePoint& from, const SurfacePoint& to);
-
-/// The place of a surface near a point; none where the surface is not known.
-using PlaceNear = std::function<std::optional<SurfacePoint>(const Vec3& near)>;
-
-/// The volume between a triangle and a surface near it, per area of the triangle. Summed over a closed mesh
-/// it is the volume that the surface encloses beyond the mesh's, to fourth order in the edges. None where the
-/// surface is not known.
-/// @param over   Places of the surface over the corners.
-/// @param place  Asked near the middles of the edges.
-[[nodiscard]] std::optional<double> mean_height_over(const std::array<Vec3, 3>& corners,
-                                                     const std::array<Vec3, 3>& over, const PlaceNear& place);
-
 /// Whether a tetrahedron, by its number, may have other corners. Called from several threads; tetrahedra flat
 /// or inverted by the exact predicate are rejected before.
 using MayBecome =
