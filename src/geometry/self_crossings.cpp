@@ -8,12 +8,17 @@
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle_intersection.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/geometry/triangles_cross.hpp"
 
 namespace lumesh {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
 using Signs = std::array<int, 3>;
+
+Corners corners_of(std::span<const Vec3> points, const std::array<std::uint32_t, 3>& triangle) {
+  return {points[triangle[0]], points[triangle[1]], points[triangle[2]]};
+}
 
 /// The sides of the plane of `plane` on which the corners lie.
 Signs sides_of_plane(const Corners& corners, const Corners& plane) {
@@ -192,21 +197,23 @@ std::vector<Vec3> find_doubled_places(std::span<const Vec3> points,
   return doubled;
 }
 
+bool triangles_cross(std::span<const Vec3> points, std::array<std::uint32_t, 3> first,
+                     std::array<std::uint32_t, 3> second) {
+  const std::size_t shared = bring_shared_to_front(first, second);
+  const Corners a = corners_of(points, first), b = corners_of(points, second);
+  return meet(a, b, shared) && has_area(a) && has_area(b);
+}
+
 std::vector<SelfCrossing> find_self_crossings(std::span<const Vec3> points,
                                               std::span<const std::array<std::uint32_t, 3>> triangles) {
   const TriangleTree tree(points, triangles);
-  const auto corners_of = [&](const std::array<std::uint32_t, 3>& t) {
-    return Corners{points[t[0]], points[t[1]], points[t[2]]};
-  };
   const auto pairs = tree.pairs([&](std::uint32_t first, std::uint32_t second) {
-    std::array<std::uint32_t, 3> a = triangles[first], b = triangles[second];
-    const std::size_t shared = bring_shared_to_front(a, b);
-    return meet(corners_of(a), corners_of(b), shared) && has_area(corners_of(a)) && has_area(corners_of(b));
+    return triangles_cross(points, triangles[first], triangles[second]);
   });
   std::vector<SelfCrossing> crossings;
   crossings.reserve(pairs.size());
   for (const auto& [first, second] : pairs) {
-    const Corners a = corners_of(triangles[first]), b = corners_of(triangles[second]);
+    const Corners a = corners_of(points, triangles[first]), b = corners_of(points, triangles[second]);
     const Vec3 low = a[0].cwiseMin(a[1]).cwiseMin(a[2]).cwiseMax(b[0].cwiseMin(b[1]).cwiseMin(b[2]));
     const Vec3 high = a[0].cwiseMax(a[1]).cwiseMax(a[2]).cwiseMin(b[0].cwiseMax(b[1]).cwiseMax(b[2]));
     crossings.push_back({first, second, 0.5 * (low + high)});

@@ -1,7 +1,9 @@
 #include "surface_rebuild.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "lumesh/core/error.hpp"
@@ -42,8 +44,10 @@ class GivenSurface {
     LabelImage image(frame_around(mesh_.points, spacing_mm), {0, 1});
     std::vector<float> depths(image.voxels().size());
     const Index3 blocks = (image.frame().size.array() + kBlock - 1) / kBlock;
-    parallel::for_each_index(grid_count(blocks), 1, [&](std::size_t b) {
-      fill_block(kBlock * grid_place(blocks, b), image, depths);
+    const Index3 rows(1, blocks.y(), blocks.z());
+    parallel::for_each_index(grid_count(rows), 1, [&](std::size_t r) {
+      BlockRow row{*this, image, depths};
+      for (Index3 at = grid_place(rows, r); at.x() < blocks.x(); ++at.x()) row.fill(kBlock * at);
     });
     parallel::for_each_index(depths.size(),
                              [&](std::size_t i) { image.voxels()[i] = depths[i] > 0 ? 1 : 0; });
@@ -61,26 +65,61 @@ class GivenSurface {
  private:
   static constexpr int kBlock = 4;  // Voxels along its edges.
 
-  /// Where no triangle is near, one voxel speaks for all.
-  void fill_block(const Index3& first, const LabelImage& image, std::vector<float>& depths) const {
-    const ImageFrame& frame = image.frame();
-    const Index3 end = (first.array() + kBlock).min(frame.size.array());
-    const double spacing = frame.spacing_mm.x(), far = 2 * spacing;
-    const Vec3 low = frame.to_physical(first.cast<double>()), high = frame.to_physical(end.cast<double>());
-    const bool is_near = !tree_.overlapping(low - frame.spacing_mm, high).empty();
-    const double common = is_near ? 0 : signed_by_winding(far, low);
-    for (int k = first.z(); k < end.z(); ++k)
-      for (int j = first.y(); j < end.y(); ++j)
-        for (int i = first.x(); i < end.x(); ++i) {
-          const Index3 v(i, j, k);
-          const Vec3 p = frame.to_physical(v.cast<double>());
-          depths[frame.offset(v)] = static_cast<float>(
-              is_near ? signed_by_winding(std::min(far, tree_.nearest(p, far).distance), p) : common);
-        }
-  }
-  [[nodiscard]] double signed_by_winding(double distance, const Vec3& p) const {
-    return winding_.at(p) > kInsideWinding ? std::max(distance, 1e-30) : -distance;
-  }
+  /// Side of one place after another along a row: as that before where no triangle lies between them.
+  class Side {
+   public:
+    /// @param is_free  Whether there is none for sure, and holes between are wide.
+    bool is_inside(const WindingNumbers& winding, const Vec3& place, bool is_free) {
+      // Beside a wide hole, winding numbers change little by little.
+      constexpr double kSure = 0.02;
+      if (!is_free || !(std::abs(winding_ - std::round(winding_)) < kSure)) winding_ = winding.at(place);
+      return winding_ > kInsideWinding;
+    }
+
+   private:
+    double winding_ = std::numeric_limits<double>::quiet_NaN();
+  };
+
+  /// Blocks of voxels along x.
+  struct BlockRow {
+    const GivenSurface& surface;
+    const LabelImage& image;
+    std::vector<float>& depths;
+    Side of_block = {};
+    std::array<Side, kBlock* kBlock> of_voxels = {};
+    bool was_near = true;
+
+    /// Where no triangle is near, one voxel speaks for all.
+    void fill(const Index3& first) {
+      const ImageFrame& frame = image.frame();
+      const Index3 end = (first.array() + kBlock).min(frame.size.array());
+      const Vec3 low = frame.to_physical(first.cast<double>()), high = frame.to_physical(end.cast<double>());
+      const bool is_near = !surface.tree_.overlapping(low - frame.spacing_mm, high).empty();
+      if (is_near && !was_near) of_voxels.fill(of_block);
+      const bool is_inside = !is_near && of_block.is_inside(surface.winding_, low, !was_near);
+      for (int k = first.z(); k < end.z(); ++k)
+        for (int j = first.y(); j < end.y(); ++j)
+          for (int i = first.x(); i < end.x(); ++i) {
+            const Index3 v(i, j, k);
+            Side& side = of_voxels[static_cast<std::size_t>((k - first.z()) * kBlock + j - first.y())];
+            depths[frame.offset(v)] =
+                static_cast<float>(is_near ? depth_near(frame.to_physical(v.cast<double>()), side)
+                                           : signed_distance(kFar * frame.spacing_mm.x(), is_inside));
+          }
+      was_near = is_near;
+    }
+    /// Within a block with triangles near.
+    [[nodiscard]] double depth_near(const Vec3& place, Side& side) const {
+      constexpr double kFree = 1.5;  // Steps.
+      const double step = image.frame().spacing_mm.x(), far = kFar * step;
+      const double distance = std::min(far, surface.tree_.nearest(place, far).distance);
+      return signed_distance(distance, side.is_inside(surface.winding_, place, distance > kFree * step));
+    }
+    [[nodiscard]] static double signed_distance(double distance, bool is_inside) {
+      return is_inside ? std::max(distance, 1e-30) : -distance;
+    }
+  };
+  static constexpr double kFar = 2;  // Voxels; beyond, distances do not matter.
 
   const TriangleMesh& mesh_;
   TriangleTree tree_;

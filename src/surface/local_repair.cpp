@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "halved_edges.hpp"
 #include "lumesh/core/drop_marked.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/hilbert.hpp"
@@ -22,6 +23,7 @@
 #include "lumesh/surface/shells.hpp"
 #include "rim_triangles.hpp"
 #include "stray_vertices.hpp"
+#include "surface_parts.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -29,8 +31,6 @@ namespace {
 // Between normals: of a triangle turned over among its neighbours.
 constexpr double kOpposedCosine = -0.9;
 constexpr int kRoundsOfFolds = 3;  // Surfaces may have such edges of their own.
-constexpr double kFlapArea =
-    0.05;  // Of the largest part's: an open part that lies on others, whichever way it is turned.
 
 /// Where a triangle comes from: its number in the given surface, or one of these; what fills holes that were
 /// given counts for no distance.
@@ -47,13 +47,6 @@ struct Topology {
   bool operator==(const Topology&) const = default;
 };
 
-struct PartMeasures {
-  double area_mm2 = 0;
-  Box3 box;
-  bool is_open = false;
-  std::vector<std::uint32_t> triangles;
-};
-
 class LocalRepair {
  public:
   LocalRepair(const TriangleMesh& given, double max_distance_mm)
@@ -61,7 +54,7 @@ class LocalRepair {
     surface_ = given_;
     origin_.resize(surface_.triangles.size());
     std::iota(origin_.begin(), origin_.end(), 0U);
-    box_ = bounding_box(surface_.points);
+    speck_mm_ = kSpeckShare * bounding_box(surface_.points).diagonal().norm();
   }
 
   /// A manifold without holes, and no vertex pulled past its neighbours.
@@ -123,11 +116,14 @@ class LocalRepair {
   void remove(const std::vector<std::uint8_t>& is_bad) {
     for (std::size_t t = 0; t < is_bad.size(); ++t)
       if (is_bad[t] != 0) note_replaced(t);
-    drop(is_bad);
-  }
-  void drop(const std::vector<std::uint8_t>& is_bad) {
     drop_triangles(surface_, is_bad);
     drop_marked(is_bad, origin_);
+  }
+  /// Drops what nothing need stand for. @return How many.
+  std::uint64_t drop(const MarkedTriangles& marked) {
+    drop_triangles(surface_, marked.is_marked);
+    drop_marked(marked.is_marked, origin_);
+    return marked.count;
   }
   /// Before a triangle goes or moves.
   void note_replaced(std::size_t t) {
@@ -138,99 +134,36 @@ class LocalRepair {
   }
 
   void make_manifold() {
-    std::vector<std::uint8_t> is_bad(origin_.size(), 0);
-    for (const std::uint32_t t : duplicate_triangles(surface_.triangles)) is_bad[t] = 1;
-    report_.duplicate_triangles = static_cast<std::uint64_t>(std::ranges::count(is_bad, 1));
-    drop(is_bad);
-    drop_loose_triangles();
+    report_.duplicate_triangles = drop(marks_of(duplicate_triangles(surface_.triangles)));
+    report_.loose_triangles = drop(marks_of(loose_triangles(surface_)));
     turn_alike(surface_);
-    drop_parts();
-    drop_fins();
+    drop_specks_and_copies();
+    report_.loose_triangles += drop(fins(surface_));
     report_.singular_edges = remove_at_bad_edges();
     drop_hanging_parts();
     fill_touching_holes();
     report_.singular_points = divide_points();
-    turn_alike(surface_);
-    drop_parts();
+    drop_specks_and_copies();
   }
-
-  void drop_loose_triangles() {
-    std::vector<std::uint8_t> is_bad(origin_.size(), 0);
-    for (const std::uint32_t t : loose_triangles(surface_)) is_bad[t] = 1;
-    report_.loose_triangles = static_cast<std::uint64_t>(std::ranges::count(is_bad, 1));
-    drop(is_bad);
+  [[nodiscard]] MarkedTriangles marks_of(const std::vector<std::uint32_t>& triangles) const {
+    MarkedTriangles marked{std::vector<std::uint8_t>(origin_.size(), 0)};
+    for (const std::uint32_t t : triangles) marked.is_marked[t] = 1;
+    marked.count = triangles.size();
+    return marked;
   }
-
-  std::vector<PartMeasures> measured_parts(const Parts& parts, const EdgeNeighbours& neighbours) const {
-    std::vector<PartMeasures> measures(parts.count);
-    for (std::uint32_t t = 0; t < origin_.size(); ++t) {
-      PartMeasures& part = measures[parts.of_triangle[t]];
-      part.area_mm2 += triangle_area(surface_.points, surface_.triangles[t]);
-      for (const std::uint32_t v : surface_.triangles[t]) part.box.extend(surface_.points[v]);
-      part.triangles.push_back(t);
-      for (const std::uint32_t n : neighbours[t]) part.is_open = part.is_open || n >= kCrowdedEdge;
-    }
-    return measures;
+  void drop_specks_and_copies() {
+    const MarkedTriangles marked = SurfaceParts(surface_).specks_and_copies(speck_mm_, max_distance_mm_);
+    report_.dropped_parts += marked.parts;
+    report_.dropped_triangles += drop(marked);
   }
-
-  /// Specks, and parts that lie on larger ones and are open or turned as those are.
-  void drop_parts() {
-    const Parts parts = turn_alike(surface_);
-    if (parts.count < 2) return;
-    std::vector<PartMeasures> measures = measured_parts(parts, edge_neighbours(surface_.triangles));
-    std::ranges::stable_sort(
-        measures, [](const PartMeasures& a, const PartMeasures& b) { return a.area_mm2 > b.area_mm2; });
-    std::vector<Cell<3>> kept;
-    const auto keep = [&](const PartMeasures& part) {
-      for (const std::uint32_t t : part.triangles) kept.push_back(surface_.triangles[t]);
-      return TriangleTree(surface_.points, kept);
-    };
-    TriangleTree tree = keep(measures[0]);
-    std::vector<std::uint8_t> is_bad(origin_.size(), 0);
-    for (std::size_t p = 1; p < measures.size(); ++p) {
-      const PartMeasures& part = measures[p];
-      const bool is_speck = part.box.diagonal().norm() < kSpeckShare * box_.diagonal().norm();
-      if (is_speck ||
-          lies_on(part, tree, kept, part.is_open && part.area_mm2 < kFlapArea * measures[0].area_mm2)) {
-        for (const std::uint32_t t : part.triangles) is_bad[t] = 1;
-        ++report_.dropped_parts;
-        report_.dropped_triangles += part.triangles.size();
-      } else {
-        tree = keep(part);
-      }
-    }
-    drop(is_bad);
-  }
-  /// Whether a part lies along others and, unless the way it is turned does not matter, is turned as they
-  /// are.
-  [[nodiscard]] bool lies_on(const PartMeasures& part, const TriangleTree& tree,
-                             const std::vector<Cell<3>>& others, bool either_way) const {
-    double alike = 0;
-    for (const std::uint32_t t : part.triangles) {
-      const auto& [a, b, c] = surface_.triangles[t];
-      for (const Vec3& p : {surface_.points[a], surface_.points[b], surface_.points[c], middle_of(t)})
-        if (tree.nearest(p, max_distance_mm_).triangle == TriangleTree::kNone) return false;
-      const Cell<3>& other = others[tree.nearest(middle_of(t)).triangle];
-      alike += triangle_area_normal(surface_.points, surface_.triangles[t])
-                   .dot(triangle_normal(surface_.points, other));
-    }
-    return either_way || alike > 0;
+  void drop_hanging_parts() {
+    const MarkedTriangles marked = SurfaceParts(surface_).hanging();
+    report_.hanging_triangles = marked.largest;
+    report_.hanging_mm = marked.largest_mm;
+    report_.loose_triangles += drop(marked);
   }
 
   /// Edges of three triangles or more, and those whose two cannot be turned alike.
-  /// Single triangles that stand on an edge of the wall, with nothing at their other edges.
-  void drop_fins() {
-    std::vector<std::uint8_t> crowded(origin_.size(), 0), open(origin_.size(), 0), is_bad(origin_.size(), 0);
-    for_each_edge(sorted_sides(surface_.triangles), [&](std::span<const TriangleSide> edge) {
-      if (edge.size() == 1) ++open[edge[0].triangle];
-      if (edge.size() > 2)
-        for (const TriangleSide& side : edge) ++crowded[side.triangle];
-    });
-    for (std::size_t t = 0; t < origin_.size(); ++t) is_bad[t] = crowded[t] == 1 && open[t] == 2 ? 1 : 0;
-    report_.loose_triangles += static_cast<std::uint64_t>(std::ranges::count(is_bad, 1));
-    drop(is_bad);
-  }
-
   std::uint64_t remove_at_bad_edges() {
     std::vector<std::uint8_t> is_bad(origin_.size(), 0);
     const std::uint64_t count = mark_bad_edges(sorted_sides(surface_.triangles), is_bad);
@@ -251,32 +184,6 @@ class LocalRepair {
     return count;
   }
 
-  /// Small open parts that hang on larger ones at points, as cutting leaves them at ragged ends.
-  void drop_hanging_parts() {
-    const Parts parts = turn_alike(surface_);
-    if (parts.count < 2) return;
-    const std::vector<PartMeasures> measures = measured_parts(parts, edge_neighbours(surface_.triangles));
-    const auto area_of = [&](std::size_t t) { return measures[parts.of_triangle[t]].area_mm2; };
-    std::vector<double> largest_at(surface_.points.size(), 0);
-    for (std::size_t t = 0; t < origin_.size(); ++t)
-      for (const std::uint32_t v : surface_.triangles[t]) largest_at[v] = std::max(largest_at[v], area_of(t));
-    std::vector<std::uint8_t> is_bad(origin_.size(), 0);
-    for (const PartMeasures& part : measures) {
-      const bool hangs = part.is_open && std::ranges::any_of(part.triangles, [&](std::uint32_t t) {
-                           return std::ranges::any_of(surface_.triangles[t], [&](std::uint32_t v) {
-                             return part.area_mm2 < kFlapArea * largest_at[v];
-                           });
-                         });
-      if (!hangs) continue;
-      for (const std::uint32_t t : part.triangles) is_bad[t] = 1;
-      report_.loose_triangles += part.triangles.size();
-      if (part.triangles.size() > report_.hanging_triangles) {
-        report_.hanging_triangles = part.triangles.size();
-        report_.hanging_mm = middle_of(part.triangles.front());
-      }
-    }
-    drop(is_bad);
-  }
   /// Holes that touch each other or an opening at a point, which is sound once they are filled.
   void fill_touching_holes() {
     const std::vector<Fan> fans = further_fans(surface_, edge_neighbours(surface_.triangles));
@@ -354,6 +261,8 @@ class LocalRepair {
     return {parts.count, static_cast<std::uint64_t>(rims), parts.count - euler / 2};
   }
 
+  /// False if it still crosses itself. It is another surface where that cuts it into more components, which
+  /// fillings do not join.
   bool take_crossings_out() {
     constexpr int kMaxRounds = 10, kMaxRoundsOfPieces = 4;
     const int rounds = pieces_ == Pieces::kShort ? kMaxRoundsOfPieces : kMaxRounds;
@@ -369,12 +278,20 @@ class LocalRepair {
       report_.removed_triangles += static_cast<std::uint64_t>(std::ranges::count(is_bad, 1));
       remove(is_bad);
       divide_points();
-      drop_islands();
+      if (!drop_islands()) return true;
       if (origin_.empty()) return false;
       fill_holes(kMended);
     }
     flip_flat_triangles();
     return std::ranges::count(faulty_triangles(kMaxRounds + 1, all()), 1) == 0;
+  }
+
+  /// Removes what taking out has cut off, next to what it was cut off from. False if more than that was.
+  bool drop_islands() {
+    const SurfaceParts parts(surface_);
+    const MarkedTriangles islands = parts.islands(opening_of_);
+    remove(islands.is_marked);
+    return parts.count() - islands.parts <= topology_.components;
   }
 
   /// Divides what is bad, and as many rings around, until no edge is longer than half of what may move.
@@ -390,7 +307,10 @@ class LocalRepair {
             edges.push_back(edge);
       if (edges.empty()) return;
       sort_unique(edges);
-      halve(edges, is_bad);
+      for (const std::uint32_t given : halve_edges(surface_, edges)) {
+        origin_.push_back(std::uint32_t{origin_[given]});
+        is_bad.push_back(std::uint8_t{is_bad[given]});
+      }
       is_bad = faulty_triangles(rings, is_bad);
     }
   }
@@ -408,36 +328,6 @@ class LocalRepair {
     }
     return edge;
   }
-  /// @param edges  Keys, ascending. @param is_bad  Pieces are what the triangle was.
-  void halve(const std::vector<std::uint64_t>& edges, std::vector<std::uint8_t>& is_bad) {
-    const auto first = static_cast<std::uint32_t>(surface_.points.size());
-    for (const std::uint64_t edge : edges)
-      surface_.points.push_back((surface_.points[edge >> 32] + surface_.points[edge & 0xffffffff]) / 2);
-    const std::size_t count = surface_.triangles.size();
-    for (std::size_t t = 0; t < count; ++t) {
-      const auto divide = [&](const Cell<3>& corners, const auto& again) -> std::size_t {
-        for (std::size_t s = 0; s < 3; ++s) {
-          const std::uint32_t a = corners[s], b = corners[(s + 1) % 3], c = corners[(s + 2) % 3];
-          const auto at = std::ranges::lower_bound(edges, edge_key(a, b));
-          if (at == edges.end() || *at != edge_key(a, b)) continue;
-          const std::uint32_t middle = first + static_cast<std::uint32_t>(at - edges.begin());
-          return again({a, middle, c}, again) + again({middle, b, c}, again);
-        }
-        surface_.triangles.push_back(corners);
-        surface_.patches.push_back(surface_.patches[t]);
-        return 1;
-      };
-      const Cell<3> given = surface_.triangles[t];
-      const std::size_t parts = divide(given, divide);
-      surface_.triangles[t] = surface_.triangles.back();
-      surface_.triangles.pop_back();
-      surface_.patches.pop_back();
-      if (parts == 1) continue;
-      origin_.resize(surface_.triangles.size(), origin_[t]);
-      is_bad.resize(origin_.size(), is_bad[t]);
-    }
-  }
-
   /// Triangles at vertices that were put back farther than asked count for no distance: that the vertex was
   /// there is the fault.
   void put_back(const std::vector<std::uint8_t>& is_bad) {
@@ -508,25 +398,6 @@ class LocalRepair {
         for (const std::uint32_t v : surface_.triangles[t])
           if (is_reached[v] != 0) is_bad[t] = 1;
     }
-  }
-
-  /// What taking out has cut off, next to what it was cut off from.
-  void drop_islands() {
-    const Parts parts = turn_alike(surface_);
-    const std::vector<PartMeasures> measures = measured_parts(parts, edge_neighbours(surface_.triangles));
-    double largest = 0;
-    for (const PartMeasures& part : measures) largest = std::max(largest, part.area_mm2);
-    std::vector<std::uint8_t> is_bad(origin_.size(), 0);
-    for (const PartMeasures& part : measures)
-      if (part.is_open && part.area_mm2 < kFlapArea * largest && !has_opening(part))
-        for (const std::uint32_t t : part.triangles) is_bad[t] = 1;
-    remove(is_bad);
-  }
-  [[nodiscard]] bool has_opening(const PartMeasures& part) const {
-    for (const std::uint32_t t : part.triangles)
-      for (const std::uint32_t v : surface_.triangles[t])
-        if (v < opening_of_.size() && opening_of_[v] != 0) return true;
-    return false;
   }
 
   /// A triangle whose corner lies on its longest edge takes half of the triangle behind that edge.
@@ -602,7 +473,7 @@ class LocalRepair {
   Pieces pieces_ = Pieces::kTriangles;
   bool has_met_folds_ = false, is_sound_ = false;
   Topology topology_;  // To be kept.
-  Box3 box_;
+  double speck_mm_ = 0;
   std::vector<std::uint32_t> origin_;       // Of each triangle.
   TriangleMesh replaced_;                   // Given triangles, or pieces of them, that others stand for.
   std::vector<std::uint32_t> opening_of_;   // Of each vertex, from 1 on; 0: none.

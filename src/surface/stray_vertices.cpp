@@ -11,6 +11,7 @@
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
+#include "lumesh/geometry/triangles_cross.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 #include "lumesh/surface/distance.hpp"
 #include "lumesh/surface/edges.hpp"
@@ -132,8 +133,7 @@ class Strays {
       sort_unique(wider);
       around = std::move(wider);
     }
-    return std::ranges::all_of(crossed_by(v),
-                               [&](std::uint32_t t) { return std::ranges::binary_search(around, t); });
+    return !crosses_any_of(v, [&](std::uint32_t t) { return !std::ranges::binary_search(around, t); });
   }
   /// The triangles in a box, as they were given, and those that were moved or are at a vertex.
   [[nodiscard]] std::vector<std::uint32_t> numbers_near(const Box3& box, std::uint32_t v) const {
@@ -190,21 +190,23 @@ class Strays {
       for (const std::uint32_t n : neighbours_[t])
         if (normal.dot(triangle_normal(surface_.points, surface_.triangles[n])) < kFoldedCosine) return true;
     }
-    return !crossed_by(v).empty();
+    return crosses_any_of(v, [](std::uint32_t) { return true; });
   }
-  /// Triangles of pairs that cross and of which one is at a vertex.
-  [[nodiscard]] std::vector<std::uint32_t> crossed_by(std::uint32_t v) const {
+  /// Whether a triangle at a vertex crosses one that is_wanted(triangle).
+  template <class IsWanted>
+  [[nodiscard]] bool crosses_any_of(std::uint32_t v, const IsWanted& is_wanted) const {
+    return std::ranges::any_of(triangles_around_.of(v), [&](std::uint32_t t) {
+      const Box3 box = box_of(t);
+      return std::ranges::any_of(numbers_near(box, v), [&](std::uint32_t other) {
+        return other != t && is_wanted(other) && box.intersects(box_of(other)) &&
+               triangles_cross(surface_.points, surface_.triangles[t], surface_.triangles[other]);
+      });
+    });
+  }
+  [[nodiscard]] Box3 box_of(std::uint32_t t) const {
     Box3 box;
-    const auto star = triangles_around_.of(v);
-    for (const std::uint32_t t : star)
-      for (const std::uint32_t w : surface_.triangles[t]) box.extend(surface_.points[w]);
-    const std::vector<std::uint32_t> near = numbers_near(box, v);
-    const auto is_of_star = [&](std::uint32_t t) { return std::ranges::find(star, t) != star.end(); };
-    std::vector<std::uint32_t> crossed;
-    for (const SelfCrossing& pair : find_self_crossings(surface_.points, at(near)))
-      if (is_of_star(near[pair.first]) || is_of_star(near[pair.second]))
-        crossed.insert(crossed.end(), {near[pair.first], near[pair.second]});
-    return crossed;
+    for (const std::uint32_t w : surface_.triangles[t]) box.extend(surface_.points[w]);
+    return box;
   }
 
   TriangleMesh& surface_;

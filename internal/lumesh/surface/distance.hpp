@@ -19,8 +19,9 @@ void for_each_part_centre(const Vec3& a, const Vec3& b, const Vec3& c, int n, co
     }
 }
 
-/// The largest distance of points of some triangles to a surface: their corners and centres of equal parts
-/// with no edge above `step_mm`, n^2 of each triangle with n at most 64. One side of the Hausdorff distance.
+/// The largest distance of points of some triangles to a surface: corners and centres of their equal parts
+/// with no edge above `step_mm`, n^2 of each triangle with n a power of two, at most 64. One side of the
+/// Hausdorff distance. Cost: little where no place can be farther than those found.
 /// @param is_wanted  Whether a triangle counts; null: all. @param counts  Whether a point of one does, asked
 /// of points farther than those before; null: all. Threads: parallel inside, bitwise the same for every
 /// count.

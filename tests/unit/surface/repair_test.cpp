@@ -291,6 +291,7 @@ TEST(LocalRepair, RefusesBallsThatCrossWithAPlaceOnBoth) {
   ASSERT_FALSE(made.ok());
   EXPECT_NEAR(made.failure_mm.norm(), 10, 1.5);
   EXPECT_NEAR((made.failure_mm - Vec3(12, 0.1, 0)).norm(), 10, 1.5);
+  EXPECT_EQ(made.report.rounds, 1);  // No filling joins what the first round has cut off.
 }
 
 TEST(LocalRepair, WallsOfTwoSkinsStay) {
