@@ -67,6 +67,9 @@ class PlyReader {
         skip(element);
     }
     if (!has_faces) fail("holds no polygon");
+    // What a header does not declare would be left out, and the hole closed.
+    if (content_.find_first_not_of(std::string_view(" \t\r\n\0", 5), at_) != std::string::npos)
+      fail("holds more than its header declares; write the file again");
     builder_.name_patch(0, kWallName);
     return builder_.finish();
   }

@@ -85,8 +85,10 @@ class Extruder {
     const std::string& name = patch(s.patches[0]).name;
     for (const std::uint32_t v : s.vertices)
       if (std::abs((point(v) - s.centre_mm).dot(s.normal)) > 0.01 * s.reach_mm)
-        throw Error(ErrorKind::kBadInput, fmt::format("{}: {} is not flat; extensions stand on flat openings",
-                                                      option_name("extend"), name));
+        throw Error(ErrorKind::kBadInput,
+                    fmt::format("{}: {} is not flat; extensions stand on flat openings: cut it off before, "
+                                "such as by {}",
+                                option_name("extend"), name, option_name("clip_ends") + " 0.5r"));
     constexpr double kLowestRow = 0.25;  // Of the edges.
     if (!s.is_clear)
       result_.notes.push_back(

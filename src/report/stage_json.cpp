@@ -106,6 +106,7 @@ nlohmann::ordered_json closed_json(std::span<const surfaces::ClosedRim> closed) 
     one["rim_deviation_mm"] = rim.given.deviation_mm;
     one["cut_off_mm"] = rim.cut_off_mm;
     one["moved_mm"] = rim.moved_mm;
+    one["was_capped"] = rim.was_capped;
     one["triangles"] = rim.triangles;
     one["smallest_angle_deg"] = rim.smallest_angle_deg;
     all.push_back(std::move(one));

@@ -15,6 +15,7 @@
 #include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/surface/loose_triangles.hpp"
+#include "torn_corners.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -92,6 +93,13 @@ class SurfaceCheck {
   void look_at_loose_triangles() {
     Finding loose =
         remark("loose_triangles", "triangles that hang at corners only; they are left out when meshed");
+    if (const double gap = gap_of_torn_corners(surface_); gap > 0) {
+      loose = fault("torn_corners",
+                    fmt::format("triangles without neighbours: their corners lie up to about {:.2g} mm from "
+                                "those of others, too far to be joined",
+                                gap));
+      loose.remedy = fmt::format("join points within {:.2g} mm in the program that wrote them", gap);
+    }
     const std::vector<std::uint32_t> triangles = loose_triangles(surface_);
     for (const std::uint32_t t : triangles) loose.add(middle_of(t));
     without_triangles(surface_, triangles);

@@ -365,6 +365,16 @@ class SurfacesTest(ProgramTest):
         _, report, _ = self.mesh(torn, "--edge-length", 0.8)
         self.assertEqual([end["kind"] for end in report["closed"]], ["opening", "opening"])
 
+    def test_a_ragged_end_is_capped_anew_and_clipped_to_be_extended(self):
+        def ragged(share):
+            points, wall = tube(around=48, end=lambda i: 2 * share * math.cos(2.4 * i * i))
+            last = len(points) - 48
+            return self.stl("ragged.stl", points, [*wall, *fan(points, 0, 48, True), *fan(points, last, 48, False)])
+        told = json.loads(self.run_well("info", ragged(0.03), "--json").stdout)
+        self.assertEqual([end["was_capped"] for end in told["would_close"]], [True])
+        self.assert_refused(self.run_lumesh("info", ragged(0.02), "--extend", "3r"), BAD_INPUT, "not flat", "--clip-ends 0.5r")
+        self.run_well("info", ragged(0.02), "--extend", "3r", "--clip-ends", "0.5r")
+
     def test_keep_open_refuses(self):
         source = self.stl("tube.stl", *tube())
         out = self.folder / "out.vtu"

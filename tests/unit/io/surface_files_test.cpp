@@ -98,7 +98,10 @@ TEST_F(SurfaceFile, DamagedPly) {
   expect_refused("a.ply", with("3 2 0 3", "3 2 0 9"), "point 9");
   expect_refused("a.ply", with("3 2 0 3", "2 2 0"), "three corners");
   expect_refused("a.ply", with("3 2 0 3", "-3 2 0 3"), "list is damaged");
+  expect_refused("a.ply", with("element face 4", "element face 3"), "more than its header declares");
+  EXPECT_EQ(read("a.ply", good + " \n\n").triangles, kFaces);
   std::string cut = binary_ply(std::endian::little);
+  expect_refused("a.ply", cut + "abc", "more than its header declares");
   cut.resize(cut.size() - 5);
   expect_refused("a.ply", cut, "cut off");
   expect_refused(

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 #include <string>
 
 #include "fixtures/surfaces.hpp"
+#include "lumesh/surface/edges.hpp"
 #include "surface_shapes.hpp"
 
 namespace lumesh::surfaces {
@@ -53,6 +55,35 @@ TEST(Findings, OpeningsEndAWallHolesAreWithinIt) {
   ASSERT_EQ(words_of(findings), "!holes:1 openings:1");
   EXPECT_LT((findings[0].places_mm[0] - Vec3(40, 40, 0)).norm(), 0.5);
   EXPECT_EQ(words_of(findings_of(window.points, window.triangles)), "openings:2");
+}
+
+/// Triangles with corners of their own, each moved along every axis by up to a distance.
+TriangleMesh shaken(const TriangleMesh& mesh, double distance) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(-1, 1);
+  TriangleMesh own;
+  for (const Cell<3>& t : mesh.triangles) {
+    const auto first = static_cast<std::uint32_t>(own.points.size());
+    for (const std::uint32_t v : t)
+      own.points.push_back(mesh.points[v] + distance * Vec3(share(random), share(random), share(random)));
+    own.triangles.push_back({first, first + 1, first + 2});
+  }
+  return own;
+}
+
+TEST(Findings, CornersTooFarApartToBeJoinedAreNamedWithTheirDistance) {
+  const TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 20, .around = 24});
+  TriangleMesh near = shaken(tube, 5e-4), far = shaken(tube, 1e-2);  // The diagonal is 22 mm long.
+  EXPECT_GT(join_torn_corners(near.points, near.triangles), 0);
+  const std::string words = words_of(findings_of(near.points, near.triangles));
+  EXPECT_EQ(words.substr(words.find(' ') + 1), "openings:2");
+  EXPECT_EQ(join_torn_corners(far.points, far.triangles), 0);
+  const std::vector<Finding> findings = findings_of(far.points, far.triangles);
+  const auto torn = std::ranges::find(findings, "torn_corners", &Finding::kind);
+  ASSERT_NE(torn, findings.end());
+  EXPECT_EQ(torn->severity, Severity::kFault);
+  EXPECT_GT(torn->count, tube.triangles.size() / 2);
+  EXPECT_NE(torn->remedy.find("join points within 0.0"), std::string::npos) << torn->remedy;
 }
 
 TEST(Findings, AFinMakesAnEdgeOfThreeTriangles) {
