@@ -68,11 +68,11 @@ double join_torn_corners(std::vector<Vec3>& points, std::span<const Cell<3>> tri
   const double diagonal = bounding_box(own.points).diagonal().norm();
   const double widest = std::min(kShareOfDiagonal * diagonal, kShareOfSides * short_side(own));
   std::vector<std::uint32_t> numbers = points_used(points, triangles);
-  // The least width that leaves the points of a surface, and that one four times as wide leaves as they are.
+  // The least width that leaves the points of a surface, and that one twice as wide leaves as they are.
   std::vector<Vec3> joined, wider = points;
   std::size_t places = numbers.size(), places_of_wider = places;
-  const double steps = std::floor(std::log(widest / (kLeastShare * diagonal)) / std::log(4.0));
-  for (double width = widest * std::pow(4.0, -steps); width <= 4 * widest; width *= 4) {
+  const double steps = std::floor(std::log2(widest / (kLeastShare * diagonal)));
+  for (double width = widest * std::exp2(-steps); width <= 2 * widest; width *= 2) {
     joined = std::move(wider);
     places = places_of_wider;
     wider = points;
