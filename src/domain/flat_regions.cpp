@@ -99,8 +99,21 @@ std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegion
   return rims;
 }
 
-/// The mean cosine between the normal of a flat end and the normals of the wall around it, at most half a
-/// radius behind it.
+}  // namespace
+
+bool is_one_curve(const std::map<std::uint32_t, std::uint32_t>& next) {
+  if (next.empty()) return false;
+  const std::uint32_t start = next.begin()->first;
+  std::size_t length = 0;
+  std::uint32_t at = start;
+  do {
+    const auto found = next.find(at);
+    if (found == next.end() || ++length > next.size()) return false;
+    at = found->second;
+  } while (at != start);
+  return length == next.size();
+}
+
 double cosine_of_wall(const ClosedSurface& surface, const FeatureRegions& regions, std::uint32_t region,
                       const RegionShape& shape, std::vector<std::uint32_t> end) {
   constexpr double kMaxDepth = 0.5, kMaxReach = 1.6;  // In radii.
@@ -123,21 +136,6 @@ double cosine_of_wall(const ClosedSurface& surface, const FeatureRegions& region
       area += own;
     }
   return area > 0 ? sum / area : 0;
-}
-
-}  // namespace
-
-bool is_one_curve(const std::map<std::uint32_t, std::uint32_t>& next) {
-  if (next.empty()) return false;
-  const std::uint32_t start = next.begin()->first;
-  std::size_t length = 0;
-  std::uint32_t at = start;
-  do {
-    const auto found = next.find(at);
-    if (found == next.end() || ++length > next.size()) return false;
-    at = found->second;
-  } while (at != start);
-  return length == next.size();
 }
 
 std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const FeatureRegions& regions) {

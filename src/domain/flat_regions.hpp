@@ -30,6 +30,12 @@ struct RegionShape {
 /// Whether edges, each with the vertex from which it goes to the next one, are one closed curve.
 [[nodiscard]] bool is_one_curve(const std::map<std::uint32_t, std::uint32_t>& next);
 
+/// The mean cosine between the normal of a flat end and the normals of the wall around it, at most half a
+/// radius behind it. @param shape  Area, centre and normal of the end. @param end  Its triangles.
+[[nodiscard]] double cosine_of_wall(const ClosedSurface& surface, const FeatureRegions& regions,
+                                    std::uint32_t region, const RegionShape& shape,
+                                    std::vector<std::uint32_t> end);
+
 /// Shapes of all regions.
 [[nodiscard]] std::vector<RegionShape> region_shapes(const ClosedSurface& surface,
                                                      const FeatureRegions& regions);

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/patched_surface.hpp"
@@ -14,6 +16,7 @@
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "missed_ends.hpp"
+#include "room_behind.hpp"
 #include "whole_ends.hpp"
 
 namespace lumesh {
@@ -52,7 +55,10 @@ NamedRegions::NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& 
 /// The patch of each region, and the ends among them.
 void NamedRegions::name_regions() {
   std::vector<RegionShape> shapes = region_shapes(surface, regions);
-  if (!has_named_patches) leave_out_steps(shapes);
+  if (!has_named_patches) {
+    leave_out_steps(shapes);
+    leave_out_sides(shapes);
+  }
   // A patch of the file is an end if all of it is.
   std::map<std::int32_t, bool> is_flat_patch;
   std::map<std::int32_t, int> region_counts;
@@ -85,9 +91,11 @@ void NamedRegions::name_regions() {
   }
   if (has_named_patches) {
     note_doubts(shapes);
+    note_bent_ends();
   } else if (!ends.empty()) {
     note_pieces(shapes);
     note_missed_ends();
+    note_bent_ends();
   }
 }
 
@@ -129,6 +137,18 @@ void NamedRegions::note_missed_ends() {
   }
 }
 
+void NamedRegions::note_bent_ends() {
+  for (const BentEnd& end : bent_ends(surface, regions)) {
+    const Patch& patch = of_region[end.region];
+    if (patch.kind != PatchKind::kWall || (has_named_patches && is_wall_name(patch.name))) continue;
+    notes.push_back(
+        fmt::format("what closes the vessel at {}, of radius {:.3g} mm, is taken as wall, as it is {:.2g} mm "
+                    "off a plane; "
+                    "a cut before it makes an opening ({})",
+                    place_text(end.centre_mm), end.radius_mm, end.bent_mm, option_name("cut_at")));
+  }
+}
+
 /// Voxels leave flat steps all over a wall that is oblique to them, square or parallel to each other, which
 /// are no ends.
 void NamedRegions::leave_out_steps(std::vector<RegionShape>& shapes) {
@@ -141,6 +161,28 @@ void NamedRegions::leave_out_steps(std::vector<RegionShape>& shapes) {
       "that the surface is drawn around, and the mesh will have these, too; mesh the image itself, "
       "or smooth the surface before",
       steps.size(), place_text(shapes[steps.front()].centre_mm)));
+}
+
+/// Behind a flat side of a sac the object ends soon.
+void NamedRegions::leave_out_sides(std::vector<RegionShape>& shapes) {
+  std::optional<RoomBehind> room;
+  std::vector<std::vector<std::uint32_t>> triangles(shapes.size());
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    if (const std::uint32_t r = regions.of_triangle[t]; shapes[r].is_flat_end) triangles[r].push_back(t);
+  std::vector<std::uint32_t> sides;
+  for (std::uint32_t r = 0; r < shapes.size(); ++r) {  // By falling area.
+    if (triangles[r].empty() || is_cap_of_file(regions.patches[r])) continue;
+    if (!room) room.emplace(surface);
+    if (!room->has_room(triangles[r], kMaxBent)) sides.push_back(r);
+  }
+  if (sides.empty()) return;
+  for (const std::uint32_t r : sides) shapes[r].is_flat_end = false;
+  const RegionShape& largest = shapes[sides.front()];
+  notes.push_back(fmt::format(
+      "{}, such as at {} with {:.3g} mm2, {} taken as wall: as at the side of a sac, the object ends behind "
+      "within 0.6 of the radius; where a vessel ends there, a cut further inside makes an opening ({})",
+      counted(sides.size(), "flat piece", "flat pieces"), place_text(largest.centre_mm), largest.area_mm2,
+      sides.size() == 1 ? "is" : "are", option_name("cut_at")));
 }
 
 /// Ends that are taken for wall because a few bent triangles belong to their patch, walls that are taken for

@@ -30,8 +30,10 @@ struct NamedRegions {
  private:
   void name_regions();
   void leave_out_steps(std::vector<RegionShape>& shapes);
+  void leave_out_sides(std::vector<RegionShape>& shapes);
   void note_pieces(std::span<const RegionShape> shapes);
   void note_missed_ends();
+  void note_bent_ends();
   void note_doubts(std::span<const RegionShape> shapes);
   [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const;
   [[nodiscard]] bool is_cap_of_file(std::int32_t number) const;

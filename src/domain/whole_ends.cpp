@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -11,7 +12,7 @@
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/geometry/triangle.hpp"
-#include "lumesh/geometry/triangle_intersection.hpp"
+#include "room_behind.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -52,20 +53,36 @@ class EndPieces {
     int tries = 0;
     for (std::uint32_t seed = 0; seed < regions_.count() && tries < kMaxTries; ++seed) {  // By falling area.
       const std::uint32_t first = triangles_[seed].front();
-      if (is_taken[first] != 0 || visits_[seed] >= kMaxVisits || !is_even(seed) ||
-          surface_.is_enclosed[first] != 0)
-        continue;
-      std::vector<std::uint32_t> end = around(seed);
-      if (end.empty() || std::ranges::any_of(end, [&](std::uint32_t t) { return is_taken[t] != 0; }) ||
-          !has_one_rim(end))
+      if (is_taken[first] != 0 || !is_seed(seed)) continue;
+      const End pieces = around(seed, kMaxBent);
+      if (pieces.regions.size() + pieces.triangles.size() < 2) continue;
+      std::vector<std::uint32_t> end = triangles_of(pieces);
+      if (std::ranges::any_of(end, [&](std::uint32_t t) { return is_taken[t] != 0; }) || !has_one_rim(end))
         continue;
       ++tries;
       if (!is_end(end)) continue;
       for (const std::uint32_t t : end) is_taken[t] = 1;
       found.push_back(std::move(end));
     }
-    const auto is_cap = [](std::uint32_t) { return false; };
-    if (!found.empty() && !steps_of_voxels(region_shapes(surface_, regions_), is_cap).empty()) return {};
+    if (!found.empty() && is_of_voxels()) return {};
+    return found;
+  }
+
+  /// What would be ends were it not for how bent they are.
+  [[nodiscard]] std::vector<BentEnd> find_bent() {
+    constexpr int kMaxTries = 16;
+    std::vector<BentEnd> found;
+    std::vector<std::uint8_t> is_taken(surface_.triangles.size(), 0);
+    int tries = 0;
+    for (std::uint32_t seed = 0; seed < regions_.count() && tries < kMaxTries; ++seed) {
+      if (is_taken[triangles_[seed].front()] != 0 || !is_seed(seed)) continue;
+      const std::vector<std::uint32_t> end = triangles_of(around(seed, kMostBent));
+      if (end.empty() || !has_one_rim(end)) continue;
+      ++tries;
+      if (const std::optional<BentEnd> bent = as_bent_end(end)) found.push_back(*bent);
+      for (const std::uint32_t t : end) is_taken[t] = 1;
+    }
+    if (!found.empty() && is_of_voxels()) return {};
     return found;
   }
 
@@ -76,7 +93,8 @@ class EndPieces {
     std::vector<std::uint32_t> regions, triangles;
   };
 
-  static constexpr int kMaxVisits = 8;  // Rough surfaces have very many regions.
+  static constexpr double kMostBent = 4 * kMaxBent;  // Beyond, nothing tells an end from a dome.
+  static constexpr int kMaxVisits = 8;               // Rough surfaces have very many regions.
   static constexpr double kMinCosine = 0.5;
 
   void add(std::uint32_t t) {
@@ -92,6 +110,12 @@ class EndPieces {
     }
   }
 
+  [[nodiscard]] bool is_of_voxels() const {
+    return !steps_of_voxels(region_shapes(surface_, regions_), [](std::uint32_t) { return false; }).empty();
+  }
+  [[nodiscard]] bool is_seed(std::uint32_t r) const {
+    return visits_[r] < kMaxVisits && is_even(r) && surface_.is_enclosed[triangles_[r].front()] == 0;
+  }
   [[nodiscard]] bool is_even(std::uint32_t r) const {
     constexpr double kMinEvenness = 0.6;
     return pieces_[r].normal.norm() > kMinEvenness * pieces_[r].area;
@@ -131,34 +155,38 @@ class EndPieces {
     return edges == next.size() && is_one_curve(next);
   }
   /// Whether triangles, as one region, are a flat end that the wall leaves at an angle.
-  [[nodiscard]] bool is_end(const std::vector<std::uint32_t>& end) const {
+  [[nodiscard]] bool is_end(const std::vector<std::uint32_t>& end) {
     constexpr double kMaxWallCosine = 0.45;  // Rough places of a wall are flat here and there, too.
     const FeatureRegions joined = with_regions(surface_, regions_, std::span(&end, 1));
     const RegionShape shape = region_shapes(surface_, joined)[joined.of_triangle[end.front()]];
-    return shape.is_like_end && shape.wall_cosine <= kMaxWallCosine && has_room_behind(end);
+    return shape.is_like_end && shape.wall_cosine <= kMaxWallCosine && room_behind().has_room(end, kMaxBent);
   }
-  /// Whether the object goes on behind an end, as a vessel does; behind the flat side of a sac it ends.
-  [[nodiscard]] bool has_room_behind(const std::vector<std::uint32_t>& end) const {
-    constexpr double kMinDepth = 0.6;  // Of the radius; where a vessel is cut off by 70 degrees it is 0.62.
-    constexpr int kPlaces = 8, kMinFree = 5;
+  /// Nothing if triangles are flat, or the wall around is not that of a vessel that ends there.
+  [[nodiscard]] std::optional<BentEnd> as_bent_end(const std::vector<std::uint32_t>& end) {
+    constexpr double kMaxWallCosine = 0.3, kMinDepth = 1;
+    constexpr std::size_t kMinTriangles = 8;
+    if (end.size() < kMinTriangles) return std::nullopt;
     const EndPlane plane = plane_of({{}, end});
-    const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
-    int free = 0;
-    for (int k = 0; k < kPlaces; ++k) {
-      const double angle = 2 * std::numbers::pi * k / kPlaces;
-      const Vec3 place =
-          plane.centre_mm + 0.5 * plane.radius_mm * (std::cos(angle) * u + std::sin(angle) * v);
-      const Vec3 first = place - 1.2 * kMaxBent * plane.radius_mm * plane.normal,
-                 last = place - kMinDepth * plane.radius_mm * plane.normal;
-      bool is_free = true;
-      for (std::uint32_t t = 0; is_free && t < surface_.triangles.size(); ++t)
-        is_free = !segment_meets_triangle(first, last, surface_.corner(t, 0), surface_.corner(t, 1),
-                                          surface_.corner(t, 2));
-      free += is_free ? 1 : 0;
-    }
-    return free >= kMinFree;
+    double off_mm = 0;
+    for (const std::uint32_t t : end)
+      for (const std::uint32_t v : surface_.triangles[t])
+        off_mm = std::max(off_mm, std::abs(plane.normal.dot(surface_.points[v] - plane.centre_mm)));
+    if (off_mm <= kMaxBent * plane.radius_mm) return std::nullopt;
+    const FeatureRegions joined = with_regions(surface_, regions_, std::span(&end, 1));
+    const std::uint32_t region = joined.of_triangle[end.front()];
+    RegionShape shape;
+    shape.area_mm2 = std::numbers::pi * plane.radius_mm * plane.radius_mm;
+    shape.centre_mm = plane.centre_mm;
+    shape.normal = plane.normal;
+    if (std::abs(cosine_of_wall(surface_, joined, region, shape, end)) > kMaxWallCosine ||
+        !room_behind().has_room(end, kMostBent, kMinDepth))
+      return std::nullopt;
+    return BentEnd{plane.centre_mm, plane.radius_mm, off_mm, regions_.of_triangle[end.front()]};
   }
-
+  [[nodiscard]] const RoomBehind& room_behind() {
+    if (!room_behind_) room_behind_.emplace(surface_);
+    return *room_behind_;
+  }
   void put(const End& end, std::uint8_t is_in) {
     for (const std::uint32_t r : end.regions)
       for (const std::uint32_t t : triangles_[r]) is_in_[t] = is_in;
@@ -234,11 +262,13 @@ class EndPieces {
   }
 
   /// Beginning with these, what is near a plane fitted to all, more and more narrowly.
-  [[nodiscard]] std::vector<std::uint32_t> around(std::uint32_t seed) {
+  /// @param last_share  How near at last, of the radius.
+  [[nodiscard]] End around(std::uint32_t seed, double last_share) {
     constexpr int kRounds = 16;
     End end = facing_as(seed);
     for (const double factor : {6.0, 4.0, 2.0, 1.0}) {
       const double share = factor * kMaxBent;
+      if (share < last_share) break;
       const EndPlane first = plane_of(end);
       std::erase_if(end.regions, [&](std::uint32_t r) { return !is_region_near(r, first, share); });
       std::erase_if(end.triangles,
@@ -248,7 +278,7 @@ class EndPieces {
       for (int round = 0; round < kRounds && grow(end, plane_of(end), share); ++round) continue;
       put(end, 0);
     }
-    return end.regions.size() + end.triangles.size() > 1 ? triangles_of(end) : std::vector<std::uint32_t>();
+    return end;
   }
 
   const ClosedSurface& surface_;
@@ -260,6 +290,7 @@ class EndPieces {
   std::vector<int> visits_;
   std::vector<std::uint32_t> seen_by_;
   std::vector<std::uint8_t> is_in_;
+  std::optional<RoomBehind> room_behind_;
 };
 
 }  // namespace
@@ -267,6 +298,10 @@ class EndPieces {
 std::vector<std::vector<std::uint32_t>> divided_ends(const ClosedSurface& surface,
                                                      const FeatureRegions& regions) {
   return EndPieces(surface, regions).find();
+}
+
+std::vector<BentEnd> bent_ends(const ClosedSurface& surface, const FeatureRegions& regions) {
+  return EndPieces(surface, regions).find_bent();
 }
 
 FeatureRegions with_whole_ends(const ClosedSurface& surface, FeatureRegions regions) {

@@ -16,6 +16,15 @@ namespace lumesh::surfaces {
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> divided_ends(const ClosedSurface& surface,
                                                                    const FeatureRegions& regions);
 
+/// An end of a vessel but for how far it is off a plane.
+struct BentEnd {
+  Vec3 centre_mm = Vec3::Zero();
+  double radius_mm = 0;
+  double bent_mm = 0;        // Off its plane.
+  std::uint32_t region = 0;  // Of one of its triangles.
+};
+[[nodiscard]] std::vector<BentEnd> bent_ends(const ClosedSurface& surface, const FeatureRegions& regions);
+
 /// The regions, those of one end as one.
 [[nodiscard]] FeatureRegions with_whole_ends(const ClosedSurface& surface, FeatureRegions regions);
 

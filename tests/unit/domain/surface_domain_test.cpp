@@ -358,6 +358,28 @@ TEST(SurfaceDomain, AnEndCutOffVeryObliquelyIsToldOf) {
   EXPECT_TRUE(SurfaceDomain(capped_tube(2, 1.5, 0.5).view()).patch_notes().empty());
 }
 
+TEST(SurfaceDomain, AnEndTooBentToBeOneIsToldOf) {
+  TriangleSoup tube = capped_tube(2, 2, 0);
+  tube.points.back().z() += 0.5;  // The tip of a cone then, a third of which lies below its centre.
+  const SurfaceDomain domain(tube.view());
+  ASSERT_EQ(domain.flat_ends().size(), 1U);
+  ASSERT_EQ(domain.patch_notes().size(), 1U);
+  EXPECT_NE(domain.patch_notes()[0].find("8.2) mm, of radius 1.99 mm"), std::string::npos)
+      << domain.patch_notes()[0];
+  EXPECT_NE(domain.patch_notes()[0].find("0.33 mm off a plane"), std::string::npos);
+}
+
+TEST(SurfaceDomain, FlatSidesBehindWhichTheObjectEndsAreNoEnds) {
+  TriangleSoup disc = capped_tube(2, 2, 0);
+  for (Vec3& p : disc.points) p.z() *= 1.0 / 8;
+  const SurfaceDomain domain(disc.view());
+  EXPECT_TRUE(domain.flat_ends().empty());
+  ASSERT_EQ(domain.patch_notes().size(), 1U);
+  EXPECT_NE(domain.patch_notes()[0].find("2 flat pieces"), std::string::npos) << domain.patch_notes()[0];
+  for (Vec3& p : disc.points) p.z() *= 1.5;
+  EXPECT_EQ(SurfaceDomain(disc.view()).flat_ends().size(), 2U);
+}
+
 TEST(SurfaceDomain, FlatEndsKeepTheNamesOfTheFile) {
   TriangleSoup tube = capped_tube(2, 1.5, 0);
   tube.patches.assign(tube.triangles.size(), 0);

@@ -1,0 +1,30 @@
+#pragma once
+// Whether a surface goes on behind a flat end.
+
+#include <cstdint>
+#include <span>
+
+#include "closed_surface.hpp"
+#include "lumesh/geometry/triangle_tree.hpp"
+
+namespace lumesh::surfaces {
+
+/// Looks into an object from its ends.
+class RoomBehind {
+ public:
+  explicit RoomBehind(const ClosedSurface& surface)
+      : surface_(surface), tree_(surface.points, surface.triangles) {}
+
+  /// Whether the object goes on behind an end, as a vessel does; behind the flat side of a sac it ends.
+  /// @param bent  How far corners of the end are off its plane, of its radius. @param depth  How far it goes
+  /// on, of the radius: where a vessel is cut off by 70 degrees it does so by 0.62. Cost: about 10 us.
+  [[nodiscard]] bool has_room(std::span<const std::uint32_t> end, double bent, double depth = 0.6) const;
+
+ private:
+  [[nodiscard]] bool is_free(const Vec3& from, const Vec3& to) const;
+
+  const ClosedSurface& surface_;
+  TriangleTree tree_;
+};
+
+}  // namespace lumesh::surfaces
