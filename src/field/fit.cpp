@@ -24,7 +24,7 @@ namespace {
 constexpr int kSolves = 8;  // with penalties on violated sides, the first one without
 // Of the function at the faces, in the mean: while the stiffness is adapted, which takes what a solve has not
 // come to for too stiff, and at the end.
-constexpr double kTolerance = 0.016, kLastTolerance = 0.007;
+constexpr double kTolerance = 0.02, kLastTolerance = 0.01;
 constexpr int kWeighings = 3;  // solves before which normals are taken anew
 constexpr int kSoftenings = 6;
 constexpr int kHardRounds = 8;

@@ -1,6 +1,5 @@
 #include "multilevel.hpp"
 
-#include <array>
 #include <cmath>
 
 #include "lumesh/core/wide.hpp"
@@ -14,10 +13,6 @@ namespace {
 /// Splines of which the band holds less of the mass than this are left out: at its rim their energy is far
 /// from in proportion to it. Without this a solve takes twice the iterations.
 constexpr float kMinShare = 0.003F;
-
-/// Share of its own correction that a spline gives, level by level: neighbours' overlap, and coarse levels
-/// correct what finer ones do, too. With all of it solves take half as many iterations again.
-constexpr std::array<float, Multilevel::kLevels> kDamping = {0.4F, 0.5F, 0.5F, 0.3F, 0.2F};
 
 /// Nodes of a coarse grid whose splines reach a fine node.
 struct NodeRange {
@@ -228,7 +223,6 @@ void Multilevel::set_energy(const LaneArray& stiffness, const LaneArray& mass, d
     level.transfer.restrict_to_coarse(finer == nullptr ? mass : finer->residual, level.residual);
     level.transfer.restrict_to_coarse(finer == nullptr ? stiffness : finer->correction, level.correction);
     const double spacing = std::exp2(l + 1);
-    const float damping = kDamping[static_cast<std::size_t>(l)];
     // A whole spline sums up to spacing^3.
     const auto energy =
         static_cast<float>((of_third / std::pow(spacing, 3) + of_second / spacing) / std::pow(spacing, 3));
@@ -237,7 +231,7 @@ void Multilevel::set_energy(const LaneArray& stiffness, const LaneArray& mass, d
         const Lanes share = load(level.correction.at(s));
         const Lanes weight = energy * share + static_cast<float>(kMass) * load(level.residual.at(s));
         store(level.inverse.at(s),
-              keep(damping / (weight + 1e-12F),
+              keep(1.0F / (weight + 1e-12F),
                    share > Lanes{} + kMinShare * static_cast<float>(std::pow(spacing, 3))));
       }
     });

@@ -27,7 +27,7 @@ TEST(LabelField, WallsOfTubesAreSmoothAndInPlace) {
   };
   // A low-pass of the same voxels has 0.04 to 0.12 voxels, 2 to 6.5 degrees, and takes 2 to 10 % from the
   // radius.
-  const std::array<Case, 4> cases = {{{2, {1, 0.82, 0.64}, 0.03, 1.1, 0.03},
+  const std::array<Case, 4> cases = {{{2, {1, 0.82, 0.64}, 0.03, 1.0, 0.03},
                                       {3, {1, 0.05, 0.03}, 0.05, 1.0, 0.03},
                                       {5, {1, 0.82, 0.64}, 0.02, 0.35, 0.02},
                                       {8, {1, 0.035, 0.02}, 0.035, 0.5, 0.02}}};
