@@ -16,6 +16,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/core/squares.hpp"
+#include "section_changes.hpp"
 #include "section_waists.hpp"
 
 namespace lumesh {
@@ -292,16 +293,27 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   return doubts;
 }
 
-std::vector<std::string> doubts_about_waists(const Domain& domain, std::span<const Opening> openings) {
+std::vector<std::string> doubts_about_shapes(const ImageFrame& frame, const Domain& domain,
+                                             std::span<const Opening> openings) {
+  constexpr double kOfError = 0.75;  // What the section changes by, of what its area is off by.
   std::vector<std::string> doubts;
-  for (const Opening& opening : openings)
+  for (const Opening& opening : openings) {
     if (const std::optional<SectionWaist> waist = find_waist(domain, opening))
       doubts.push_back(fmt::format(
           "{} at {} narrows to {:.3g} mm between parts {:.3g} and {:.3g} mm wide: two vessels that touch "
-          "there "
-          "would have one boundary condition; cut them with {} where they run apart, or try {} separate",
+          "there would have one boundary condition; cut them with {} where they run apart, or try {} "
+          "separate",
           opening.name, place_text(opening.centre_mm), waist->width_mm, waist->diameters_mm[0],
           waist->diameters_mm[1], option_name("cut_at"), option_name("touching")));
+    else if (const std::optional<double> change =
+                 is_at_border(frame, opening) ? doubtful_change(domain, opening) : std::nullopt)
+      doubts.push_back(fmt::format(
+          "{} at {}: its section {} by {:.0f} % within the last voxel before the border, as where a vessel "
+          "bends; its area may be about {:.0f} % too {}; cut it further in with {} 1r",
+          opening.name, place_text(opening.centre_mm), *change > 0 ? "grows" : "shrinks",
+          100 * std::abs(*change), 100 * std::abs(*change) / kOfError, *change > 0 ? "large" : "small",
+          option_name("clip_ends")));
+  }
   return doubts;
 }
 

@@ -125,7 +125,8 @@ class SectionParts {
   std::vector<Pass> passes_;
 };
 
-/// The section so far before another one: the parts of its label that lie before its squares.
+}  // namespace
+
 OpeningSquares section_before(const Domain& domain, const Opening& opening, double depth_mm) {
   OpeningSquares before = *opening.squares;
   before.first_mm -= depth_mm * opening.normal;
@@ -145,8 +146,6 @@ OpeningSquares section_before(const Domain& domain, const Opening& opening, doub
     if (!is_before.contains(part[s])) before.is_inside[s] = 0;
   return before;
 }
-
-}  // namespace
 
 std::optional<SectionWaist> find_waist(const Domain& domain, const Opening& opening) {
   if (!opening.squares || opening.is_rim || opening.is_hollow()) return std::nullopt;

@@ -22,4 +22,7 @@ struct SectionWaist {
 /// outline. The smooth boundary hides where vessels of less than 4 voxels in radius touch.
 [[nodiscard]] std::optional<SectionWaist> find_waist(const Domain& domain, const Opening& opening);
 
+/// The section so far before another one: the parts of its label that lie before its squares.
+[[nodiscard]] OpeningSquares section_before(const Domain& domain, const Opening& opening, double depth_mm);
+
 }  // namespace lumesh

@@ -43,8 +43,9 @@ struct BorderSection {
                                                              std::span<const Opening> openings);
 
 /// A line for each opening whose section narrows between two parts, here and further in, as where two vessels
-/// touch. Told before openings are extended. Cost: about 1 ms per opening.
-[[nodiscard]] std::vector<std::string> doubts_about_waists(const Domain& domain,
+/// touch, and for each at the image's border whose section changes within the last voxel, as where vessels
+/// bend. Told before openings are extended. Cost: about 1 ms per opening.
+[[nodiscard]] std::vector<std::string> doubts_about_shapes(const ImageFrame& frame, const Domain& domain,
                                                            std::span<const Opening> openings);
 
 }  // namespace lumesh

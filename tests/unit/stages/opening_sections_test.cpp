@@ -164,22 +164,47 @@ LabelImage tubes_side_by_side(double first, double second, double apart) {
   });
 }
 
-std::vector<std::string> doubts_about_waists_of(const LabelImage& image) {
+std::vector<std::string> shape_doubts_of(const LabelImage& image) {
   const ImageDomain domain(image, {});
-  return doubts_about_waists(domain, find_openings(domain));
+  return doubts_about_shapes(image.frame(), domain, find_openings(domain));
+}
+
+bool is_of_waist(const std::string& doubt) {
+  return doubt.find(" mm narrows to ") != std::string::npos;
 }
 
 TEST(OpeningSections, OneThatTwoVesselsShareIsToldWithItsWidths) {
   for (const double second : {6.0, 4.2}) {
-    const std::vector<std::string> doubts =
-        doubts_about_waists_of(tubes_side_by_side(6, second, 5.8 + second));
+    const std::vector<std::string> doubts = shape_doubts_of(tubes_side_by_side(6, second, 5.8 + second));
     ASSERT_EQ(doubts.size(), 1U) << second;
     EXPECT_EQ(doubts[0].find("inlet_1 at (2"), 0U) << doubts[0];
     EXPECT_NE(doubts[0].find(" mm narrows to "), std::string::npos) << doubts[0];
     EXPECT_NE(doubts[0].find("`touching` separate"), std::string::npos) << doubts[0];
   }
-  EXPECT_TRUE(doubts_about_waists_of(tubes_side_by_side(6, 6, 15)).empty()) << "two openings";
-  EXPECT_TRUE(doubts_about_waists_of(tubes_side_by_side(6, 6, 3)).empty()) << "one vessel";
+  EXPECT_TRUE(shape_doubts_of(tubes_side_by_side(6, 6, 15)).empty()) << "two openings";
+  EXPECT_TRUE(shape_doubts_of(tubes_side_by_side(6, 6, 3)).empty()) << "one vessel";
+}
+
+/// A vessel of 2 voxels in radius on a circle of 16, that leaves through z = -0.5 at 10 degrees to square.
+LabelImage bent_vessel(const Vec3& start) {
+  constexpr double kRadius = 2, kBend = 16, kLean = 10 * std::numbers::pi / 180;
+  const double x = start.x() + kBend * std::cos(kLean), z = start.z() - kBend * std::sin(kLean);
+  return fixtures::voxels_of(fixtures::frame_of({26, 30, 30}), {0, 1}, [=](const Vec3& p) {
+    return std::hypot(std::hypot(p.x() - x, p.z() - z) - kBend, p.y() - start.y()) < kRadius ? 1 : 0;
+  });
+}
+
+// Sections of such vessels were 8 to 30 % too small at the border, and nothing said so.
+TEST(OpeningSections, ThoseThatBentVesselsNarrowAtTheBorderAreTold) {
+  int told = 0;
+  for (const double off : {0.0, 0.23, 0.41, 0.57, 0.78})
+    for (const std::string& doubt : shape_doubts_of(bent_vessel({12 + off, 14.3 + 0.7 * off, -0.5})))
+      if (doubt.find("its section shrinks by") != std::string::npos) ++told;
+  EXPECT_GE(told, 4);
+  for (const double radius : {2.3, 3.1, 5.2})
+    for (const double slant : {0.0, 0.4})
+      EXPECT_EQ(shape_doubts_of(two_tubes(radius, slant)), std::vector<std::string>())
+          << radius << " " << slant;
 }
 
 double distance_from_segment(const Vec3& p, const Vec3& from, const Vec3& to) {
@@ -202,7 +227,7 @@ TEST(OpeningSections, TheMouthOfAForkIsOneVessel) {
                        ? 1
                        : 0;
           });
-      EXPECT_EQ(doubts_about_waists_of(image), std::vector<std::string>()) << across << " " << height;
+      for (const std::string& doubt : shape_doubts_of(image)) EXPECT_FALSE(is_of_waist(doubt)) << doubt;
     }
 }
 
@@ -217,8 +242,7 @@ TEST(OpeningSections, NoWaistIsToldOfOneVessel) {
               const bool is_in = std::hypot(off.x() / flat, off.y()) < radius;
               return is_in && std::hypot(off.x(), off.y() - radius * (2 - dent)) > radius ? 1 : 0;
             });
-        EXPECT_EQ(doubts_about_waists_of(image), std::vector<std::string>())
-            << radius << " " << flat << " " << dent;
+        for (const std::string& doubt : shape_doubts_of(image)) EXPECT_FALSE(is_of_waist(doubt)) << doubt;
       }
 }
 
