@@ -19,6 +19,7 @@
 #include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
+#include "vessel_axes.hpp"
 
 namespace lumesh {
 
@@ -132,8 +133,8 @@ const std::vector<Opening>& DomainRead::openings() {
 
 Polylines DomainRead::axes(const CenterlineOptions& options) const {
   return naming(name, [&] {
-    return image ? extract_centerline(*image, cut_planes, options, context_)
-                 : extract_centerline(surface->mesh.view(), options, context_);
+    return image ? axes_of_vessels(*image, cut_planes, options, context_)
+                 : axes_of_vessels(surface->mesh, options, context_);
   });
 }
 

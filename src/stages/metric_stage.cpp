@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/write_results.hpp"
@@ -17,6 +16,7 @@
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/metric_input.hpp"
+#include "vessel_axes.hpp"
 
 namespace lumesh {
 namespace {
@@ -39,7 +39,7 @@ class MeshSources final : public metric::SourceData {
   }
   std::vector<Vec3> points(const std::string& file) override {
     return context_.phase("read points", [&] {
-      return file == "centerline" ? extract_centerline(mesh_.given().view(), {}, context_).points
+      return file == "centerline" ? axes_of_vessels(mesh_.given(), {}, context_).points
                                   : read_points_in(mesh_.changing().info(), file);
     });
   }

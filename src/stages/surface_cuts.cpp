@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -21,64 +20,12 @@
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/plane_cut.hpp"
-#include "lumesh/surface/shells.hpp"
 #include "vessel_axes.hpp"
 
 namespace lumesh {
 namespace {
 
 using surfaces::SectionPlane;
-
-void append_lines(const Polylines& lines, Polylines& all) {
-  const auto first = static_cast<std::uint32_t>(all.points.size());
-  all.points.insert(all.points.end(), lines.points.begin(), lines.points.end());
-  for (std::vector<std::uint32_t> line : lines.lines) {
-    for (std::uint32_t& point : line) point += first;
-    all.lines.push_back(std::move(line));
-  }
-  for (const auto& [name, values] : lines.scalars) {
-    std::vector<double>& to = all.scalars[name];
-    to.insert(to.end(), values.begin(), values.end());
-  }
-}
-
-/// The triangles of each vessel that stands alone, with the cavities in it.
-std::vector<MixedMesh> pieces_of(const MixedMesh& surface) {
-  TriangleMesh turned{surface.points, surface.triangles, surface.triangle_patches, {}};
-  const surfaces::Parts parts = surfaces::turn_alike(turned);
-  const std::vector<surfaces::Shell> shells = surfaces::shells_of(turned.points, turned.triangles, parts);
-  std::vector<Box3> boxes(parts.count);
-  for (std::size_t t = 0; t < turned.triangles.size(); ++t)
-    for (const std::uint32_t v : turned.triangles[t]) boxes[parts.of_triangle[t]].extend(turned.points[v]);
-  std::vector<MixedMesh> pieces;
-  for (std::uint32_t outer = 0; outer < parts.count; ++outer) {
-    if (shells[outer].depth % 2 != 0) continue;
-    MixedMesh& piece = pieces.emplace_back();
-    piece.points = turned.points;
-    piece.info = surface.info;
-    for (std::size_t t = 0; t < turned.triangles.size(); ++t) {
-      const std::uint32_t part = parts.of_triangle[t];
-      const bool is_cavity =
-          shells[part].depth == shells[outer].depth + 1 && boxes[outer].contains(boxes[part]);
-      if (part != outer && !is_cavity) continue;
-      piece.triangles.push_back(turned.triangles[t]);
-      piece.triangle_patches.push_back(turned.patches[t]);
-    }
-  }
-  return pieces;
-}
-
-/// Axes of every piece; one that is no longer than wide has none.
-Polylines axes_of(const MixedMesh& surface) {
-  const std::vector<MixedMesh> pieces = pieces_of(surface);
-  if (pieces.size() == 1) {
-    Context quiet;
-    return extract_centerline(surface.view(), {}, quiet);
-  }
-  Polylines all;
-  for (const MixedMesh& piece : pieces) append_lines(axes_if_any(piece.view()), all);
-  return all;
-}
 
 /// A patch for each flat end, and the rest: cuts keep off the ends, and axes end there. Names that the
 /// surface does not have are left to what the cuts leave.
@@ -109,13 +56,15 @@ class SurfaceCutter {
   }
 
   void cut_at(const std::vector<Vec3>& places) {
-    const Polylines lines = axes_of(mesh_);
+    Context quiet;
+    const Polylines lines = axes_of_vessels(mesh_, {}, quiet);
     for (const Vec3& place : places) cut_off_end(axis_at(lines, place, {}), 3, CutPart::kSmaller);
   }
 
   /// Cuts off the ends of vessels that end in an opening.
   void clip_ends(const LocalLength& length, std::span<const FlatEnd> ends) {
-    const Polylines lines = axes_of(mesh_);
+    Context quiet;
+    const Polylines lines = axes_of_vessels(mesh_, {}, quiet);
     std::vector<Vec3> closed_ends;
     const auto is_end = [&](std::uint32_t tip) {
       if (is_at_end(lines.points[tip], ends)) return true;

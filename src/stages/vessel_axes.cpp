@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <numbers>
 #include <optional>
+#include <utility>
 
-#include "lumesh/centerline/centerline.hpp"
+#include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/image/topology.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
+#include "lumesh/surface/shells.hpp"
 
 namespace lumesh {
 namespace {
@@ -26,6 +29,87 @@ Polylines axes_or_none(const Extract& extract) {
     if (error.kind() != ErrorKind::kBadInput) throw;
     return {};
   }
+}
+
+/// Appends lines; numbers of branches go on.
+void append_lines(const Polylines& lines, Polylines& all) {
+  const auto first = static_cast<std::uint32_t>(all.points.size());
+  const auto branches = static_cast<double>(all.lines.size());
+  all.points.insert(all.points.end(), lines.points.begin(), lines.points.end());
+  for (std::vector<std::uint32_t> line : lines.lines) {
+    for (std::uint32_t& point : line) point += first;
+    all.lines.push_back(std::move(line));
+  }
+  for (const auto& [name, values] : lines.scalars)
+    for (const double value : values)
+      all.scalars[name].push_back(name == "branch" ? value + branches : value);
+}
+
+/// A piece of an image within the box around it, which ends at the image's border where the piece does.
+LabelImage piece_alone(const LabelImage& image, const VoxelComponent& piece) {
+  const ImageFrame& whole = image.frame();
+  const Index3 low = (piece.box.low - Index3::Ones()).cwiseMax(0);
+  const Index3 high = (piece.box.high + Index3::Ones()).cwiseMin(whole.size);
+  ImageFrame frame = whole;
+  frame.size = high - low;
+  frame.origin_mm = whole.to_physical(low.cast<double>());
+  LabelImage alone(frame, image.values());
+  for (int k = low.z(); k < high.z(); ++k)
+    for (int j = low.y(); j < high.y(); ++j)
+      for (int i = low.x(); i < high.x(); ++i) alone.at(Index3(i, j, k) - low) = image.at({i, j, k});
+  keep_component_of(alone, piece.first - low, ComponentScope::kUnion);
+  return alone;
+}
+
+/// The triangles of the boundary of each vessel that stands alone, with the cavities in it.
+std::vector<MixedMesh> pieces_of(const MixedMesh& mesh) {
+  TriangleMesh turned{mesh.points, {}, {}, {}};
+  for_each_patch_triangle(mesh.view(), [&](const Cell<3>& triangle, std::int32_t patch) {
+    const auto number = static_cast<std::size_t>(patch);
+    if (number < mesh.info.patches.size() && mesh.info.patches[number].kind == PatchKind::kInterface) return;
+    turned.triangles.push_back(triangle);
+    turned.patches.push_back(patch);
+  });
+  const surfaces::Parts parts = surfaces::turn_alike(turned);
+  const std::vector<surfaces::Shell> shells = surfaces::shells_of(turned.points, turned.triangles, parts);
+  std::vector<Box3> boxes(parts.count);
+  for (std::size_t t = 0; t < turned.triangles.size(); ++t)
+    for (const std::uint32_t v : turned.triangles[t]) boxes[parts.of_triangle[t]].extend(turned.points[v]);
+  std::vector<MixedMesh> pieces;
+  for (std::uint32_t outer = 0; outer < parts.count; ++outer) {
+    if (shells[outer].depth % 2 != 0) continue;
+    MixedMesh& piece = pieces.emplace_back();
+    piece.points = turned.points;
+    piece.info = mesh.info;
+    for (std::size_t t = 0; t < turned.triangles.size(); ++t) {
+      const std::uint32_t part = parts.of_triangle[t];
+      const bool is_cavity =
+          shells[part].depth == shells[outer].depth + 1 && boxes[outer].contains(boxes[part]);
+      if (part != outer && !is_cavity) continue;
+      piece.triangles.push_back(turned.triangles[t]);
+      piece.triangle_patches.push_back(turned.patches[t]);
+    }
+  }
+  return pieces;
+}
+
+/// Lines of all pieces; a line tells of those without one.
+template <class Piece, class Extract>
+Polylines lines_of_pieces(const std::vector<Piece>& pieces, const Extract& extract, Context& context) {
+  Polylines all;
+  std::size_t without = 0;
+  for (const Piece& piece : pieces) {
+    const Polylines lines = axes_or_none([&](Context& quiet) {
+      quiet.stop_by(context.stop_token());
+      return extract(piece, quiet);
+    });
+    if (lines.lines.empty()) ++without;
+    append_lines(lines, all);
+  }
+  if (without > 0 && !all.lines.empty())
+    context.warn(fmt::format("{} of {} that stand alone, not longer than wide, without an axis", without,
+                             counted(pieces.size(), "piece")));
+  return all;
 }
 
 /// The way of a line around one of its points, over two radii; without its ends, which bend into the corners
@@ -85,8 +169,35 @@ Polylines axes_if_any(const LabelImage& image, std::span<const CutPlane> cuts) {
   return axes_or_none([&](Context& quiet) { return extract_centerline(image, cuts, {}, quiet); });
 }
 
-Polylines axes_if_any(const MeshView& mesh) {
-  return axes_or_none([&](Context& quiet) { return extract_centerline(mesh, {}, quiet); });
+Polylines axes_of_vessels(const LabelImage& image, std::span<const CutPlane> cuts,
+                          const CenterlineOptions& options, Context& context) {
+  constexpr std::size_t kSpeck = 64;  // Voxels.
+  std::vector<VoxelComponent> pieces = voxel_components(image, ComponentScope::kUnion);
+  if (pieces.size() > 1) {
+    std::erase_if(pieces, [](const VoxelComponent& piece) { return piece.voxel_count < kSpeck; });
+    Polylines all = lines_of_pieces(
+        pieces,
+        [&](const VoxelComponent& piece, Context& quiet) {
+          return extract_centerline(piece_alone(image, piece), cuts, options, quiet);
+        },
+        context);
+    if (!all.lines.empty()) return all;
+  }
+  return extract_centerline(image, cuts, options, context);
+}
+
+Polylines axes_of_vessels(const MixedMesh& mesh, const CenterlineOptions& options, Context& context) {
+  const std::vector<MixedMesh> pieces = pieces_of(mesh);
+  if (pieces.size() > 1) {
+    Polylines all = lines_of_pieces(
+        pieces,
+        [&](const MixedMesh& piece, Context& quiet) {
+          return extract_centerline(piece.view(), options, quiet);
+        },
+        context);
+    if (!all.lines.empty()) return all;
+  }
+  return extract_centerline(mesh.view(), options, context);
 }
 
 AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const CutPlane> before) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/domain/extension.hpp"
@@ -23,11 +24,19 @@ struct AxisPlace {
   CutPlane across;  ///< Square to the axis.
 };
 
-/// Axes of vessels in an image that planes cut, or in a mesh, without what is warned of; none where nothing
-/// is longer than wide.
+/// Axes of the largest piece of an image that planes cut, without what is warned of; none where it is not
+/// longer than wide.
 /// @throws Error as extract_centerline(), but for kBadInput.
 [[nodiscard]] Polylines axes_if_any(const LabelImage& image, std::span<const CutPlane> cuts);
-[[nodiscard]] Polylines axes_if_any(const MeshView& mesh);
+
+/// Axes of all vessels of an image that planes cut, or of a mesh: of each piece that stands alone, one after
+/// the other. Pieces of fewer than 64 voxels are left out, and a line tells how many others are not longer
+/// than wide and have none.
+/// @throws Error as extract_centerline(), if no piece has an axis.
+[[nodiscard]] Polylines axes_of_vessels(const LabelImage& image, std::span<const CutPlane> cuts,
+                                        const CenterlineOptions& options, Context& context);
+[[nodiscard]] Polylines axes_of_vessels(const MixedMesh& mesh, const CenterlineOptions& options,
+                                        Context& context);
 
 /// The vessel that a place is the fewest radii off, and not two or more.
 /// @param lines  With the scalar "radius" in mm. @param before  Cuts that were made.

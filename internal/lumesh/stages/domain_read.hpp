@@ -48,7 +48,7 @@ class DomainRead {
   /// Openings before they were extended, where the extensions begin; none where none was. Known once the
   /// domain was asked for.
   [[nodiscard]] std::span<const Opening> beginnings() const;
-  /// Axes of the vessels.
+  /// Axes of all vessels.
   [[nodiscard]] Polylines axes(const CenterlineOptions& options) const;
 
   /// Warns of a surface whose unit is in doubt, and names what was closed of it.

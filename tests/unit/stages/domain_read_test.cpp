@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
@@ -83,6 +84,30 @@ TEST(DomainRead, AxesEndInTheOpeningsOfWhatIsCutAndExtended) {
   expect_between_openings({.extension = {named_lengths_from("3r"), {}}}, "extensions");
   expect_between_openings({.ends = local_length_from("1r"), .extension = {named_lengths_from("3r"), {}}},
                           "clipped ends with extensions");
+}
+
+/// Sizes at axes are those of each vessel, whether or not it joins the largest one.
+TEST(DomainRead, EachVesselThatStandsAloneHasItsAxis) {
+  std::string told;
+  Context context({}, [&](std::string_view line) { told += line; });
+  DomainRead given({}, context);
+  given.image = fixtures::voxels_of(fixtures::frame_of({34, 20, 40}), {0, 1}, [](const Vec3& p) {
+    const bool is_wide = std::hypot(p.x() - 8.7, p.y() - 9.6) < 6.2;
+    const bool is_narrow = std::hypot(p.x() - 25.4, p.y() - 10.2) < 2.3;
+    const bool is_ball = (p - Vec3(31, 3, 20)).norm() < 2.8;
+    return is_wide || is_narrow || is_ball ? 1 : 0;
+  });
+  const Polylines axes = given.survey(true).axes;
+  ASSERT_EQ(axes.lines.size(), 2U);
+  for (const std::size_t vessel : {0, 1}) {
+    const std::uint32_t middle = axes.lines[vessel][axes.lines[vessel].size() / 2];
+    EXPECT_NEAR(axes.points[middle].x(), vessel == 0 ? 8.7 : 25.4, 0.3);
+    EXPECT_NEAR(axes.scalars.at("radius")[middle], vessel == 0 ? 6.2 : 2.3, 0.3);
+    EXPECT_EQ(axes.scalars.at("branch")[middle], vessel);
+  }
+  EXPECT_NE(told.find("1 of 3 pieces that stand alone, not longer than wide, without an axis"),
+            std::string::npos)
+      << told;
 }
 
 TEST(DomainRead, ErrorsNameTheFile) {
