@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -18,8 +19,9 @@ namespace lumesh::fitting {
 
 namespace {
 
-constexpr double kArrived = 0.02;  // voxels from its target at which a vertex counts as arrived
-constexpr double kInPlane = 1e-4;  // voxels from its cut plane at which a vertex counts as in it
+constexpr double kArrived = 0.02;    // voxels from its target at which a vertex counts as arrived
+constexpr double kMostOffRim = 0.4;  // voxels from the boundary that a rim's vertex may go to be in its plane
+constexpr double kInPlane = 1e-4;    // voxels from its cut plane at which a vertex counts as in it
 constexpr AngleLimits kFlatteningLimits{8, 165};             // Last resort for openings that are not flat.
 constexpr double kStepShares[] = {1.0, 0.7, 0.4, 0.2, 0.1};  // of the way to its target that are tried
 
@@ -37,6 +39,21 @@ double off_cuts_mm(const ImageDomain& domain, const MaterialSet& set, const Vec3
   if (!is_on_cut(domain, set)) return off_mm;
   for (const Material m : set)
     if (domain.is_cut(m)) off_mm = std::max(off_mm, std::abs(domain.cut_plane(m).height(place)));
+  return off_mm;
+}
+
+/// How far a place is from where the materials of a set meet, but for its cut planes, about; infinite where
+/// the field says nothing, as far from boundaries.
+double off_boundary_mm(const ImageDomain& domain, const MaterialSet& set, const Vec3& place) {
+  constexpr double kFlat = 0.03;  // Slope below which a separation says nothing about its zero.
+  double off_mm = 0;
+  for (std::size_t i = 0; i < set.size(); ++i)
+    for (std::size_t j = i + 1; j < set.size() && !domain.is_cut(set[j]); ++j) {
+      const FieldSample s = domain.separation(place, set[i], set[j]);
+      const double slope = s.gradient.norm();
+      off_mm = std::max(off_mm,
+                        slope > kFlat ? std::abs(s.value) / slope : std::numeric_limits<double>::infinity());
+    }
   return off_mm;
 }
 
@@ -224,11 +241,15 @@ std::vector<Vec3> Fitter::places_in_cuts(std::uint32_t v, double floor) const {
   const Score now = score(v, star, x, -2);
   const double edge = (x - mesh_.positions[other_corner(v)]).norm();
   const double enough = std::min(floor, now.angles);
+  // Flatter angles do not justify a spike in the rim.
+  const double farthest_mm =
+      std::max(kMostOffRim * domain_.voxel_size_mm(), off_boundary_mm(domain_, set, middle));
   std::vector<std::pair<double, Vec3>> places;
   std::pair<double, Vec3> best{0, middle};
   const auto consider = [&](const Vec3& target) {
     const Vec3 y = within_cuts(domain_, set, onto_cuts(domain_, set, target));
     if (off_cuts_mm(domain_, set, y) > kInPlane * domain_.voxel_size_mm()) return;
+    if (off_boundary_mm(domain_, set, y) > farthest_mm) return;
     const Score then = score(v, star, y, -2);
     if (then.angles > best.first) best = {then.angles, y};
     if (then.angles < enough || then.facing < std::min(floor, now.facing)) return;

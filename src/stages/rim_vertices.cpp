@@ -1,0 +1,133 @@
+#include "rim_vertices.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "lumesh/core/counted.hpp"
+#include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/triangle.hpp"
+
+namespace lumesh {
+namespace {
+
+/// The triangles of one patch of openings.
+struct RimmedPatch {
+  AreaSum sum;
+  std::map<std::array<std::uint32_t, 2>, int> triangles_at;  // Of each edge.
+
+  void add(const Cell<3>& corners, std::span<const Vec3> points) {
+    sum.add(points[corners[0]], points[corners[1]], points[corners[2]]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [a, b] = std::minmax(corners[i], corners[(i + 1) % 3]);
+      ++triangles_at[{a, b}];
+    }
+  }
+  /// The rim's vertices, each with its longest edge there.
+  [[nodiscard]] std::map<std::uint32_t, double> rim(std::span<const Vec3> points) const {
+    std::map<std::uint32_t, double> longest_mm;
+    for (const auto& [edge, count] : triangles_at)
+      if (count == 1)
+        for (const std::uint32_t v : edge)
+          longest_mm[v] = std::max(longest_mm[v], (points[edge[0]] - points[edge[1]]).norm());
+    return longest_mm;
+  }
+};
+
+/// Looks at a domain from places of a plane.
+class PlaneView {
+ public:
+  /// @param normal  Unit, out of the object.
+  PlaneView(const Domain& domain, Label label, const Vec3& normal)
+      : domain_(domain), label_(label), normal_(normal), first_(normal.unitOrthogonal()) {}
+
+  /// Distance from a place to where the label ends, no more than a quarter of the resolution too small; 0 if
+  /// that is not more than `enough_mm`.
+  [[nodiscard]] double off_mm(const Vec3& place, double enough_mm) const {
+    constexpr double kStep = 0.25;  // Of the resolution.
+    constexpr int kSteps = 40;
+    const bool is_inside = holds(place);
+    if (changes_at(place, enough_mm, is_inside) || changes_at(place, 0.5 * enough_mm, is_inside)) return 0;
+    double off_mm = enough_mm;
+    for (int step = 0; step < kSteps; ++step) {
+      const double next_mm = off_mm + kStep * domain_.resolution_mm();
+      if (changes_at(place, next_mm, is_inside)) break;
+      off_mm = next_mm;
+    }
+    return off_mm;
+  }
+
+ private:
+  [[nodiscard]] bool holds(const Vec3& place) const {
+    constexpr double kBefore = 1e-3;  // Resolutions.
+    const Vec3 before = place - kBefore * domain_.resolution_mm() * normal_;
+    return domain_.label_of(domain_.material_at(before)) == label_;
+  }
+  /// Whether the label begins or ends on the way to a circle around a place.
+  [[nodiscard]] bool changes_at(const Vec3& place, double radius_mm, bool is_inside) const {
+    constexpr int kDirections = 16;
+    const Vec3 second = normal_.cross(first_);
+    for (int i = 0; i < kDirections; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kDirections;
+      if (holds(place + radius_mm * (std::cos(angle) * first_ + std::sin(angle) * second)) != is_inside)
+        return true;
+    }
+    return false;
+  }
+
+  const Domain& domain_;
+  Label label_;
+  Vec3 normal_, first_;
+};
+
+/// The line of a patch; empty if all of its rim is where the vessel ends.
+std::string note_on(const Patch& patch, const RimmedPatch& triangles, std::span<const Vec3> points,
+                    const Domain& domain) {
+  constexpr double kOff = 0.5;  // Resolutions.
+  const PlaneView view(domain, patch.labels[0], triangles.sum.normal.normalized());
+  const double radius_mm = circle_radius(triangles.sum.area);
+  std::size_t count = 0;
+  double worst_mm = 0;
+  Vec3 place = Vec3::Zero();
+  for (const auto& [v, edge_mm] : triangles.rim(points)) {
+    const double lift_mm = edge_mm * edge_mm / (8 * radius_mm);  // What an edge cuts off a circle.
+    const double off_mm = view.off_mm(points[v], kOff * domain.resolution_mm() + lift_mm);
+    if (off_mm == 0) continue;
+    ++count;
+    if (off_mm <= worst_mm) continue;
+    worst_mm = off_mm;
+    place = points[v];
+  }
+  if (count == 0) return "";
+  return fmt::format(
+      "the rim of {} leaves the vessel's section at {}: {:.2g} mm off it, {:.1f} {}; another `edge_length` "
+      "may help",
+      patch.name, place_text(place), worst_mm, worst_mm / domain.resolution_mm(),
+      count == 1 ? "voxels" : fmt::format("voxels, the worst of {}", counted(count, "vertices", "vertices")));
+}
+
+}  // namespace
+
+std::vector<std::string> notes_on_rims(const MeshView& mesh, const Domain& domain) {
+  std::map<std::int32_t, RimmedPatch> patches;
+  for_each_patch_triangle(mesh, [&](const Cell<3>& corners, std::int32_t patch) {
+    const auto at = static_cast<std::size_t>(patch);
+    if (at < mesh.info->patches.size() && mesh.info->patches[at].kind == PatchKind::kOpening)
+      patches[patch].add(corners, mesh.points);
+  });
+  std::vector<std::string> notes;
+  for (const auto& [patch, triangles] : patches) {
+    if (!(triangles.sum.normal.norm() > 0)) continue;
+    std::string note =
+        note_on(mesh.info->patches[static_cast<std::size_t>(patch)], triangles, mesh.points, domain);
+    if (!note.empty()) notes.push_back(std::move(note));
+  }
+  return notes;
+}
+
+}  // namespace lumesh
