@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "crossed_rims.hpp"
 #include "estimate.hpp"
@@ -195,7 +197,8 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   check_fits(options, domain);
   const std::unique_ptr<Sizing> graded = graded_sizing(domain, options);
   const delaunay::Spacing spacing = spacing_of(domain, options, graded.get());
-  delaunay::check_memory(spacing);
+  const delaunay::EstimatedTets expected = delaunay::estimated_tets(spacing);
+  delaunay::check_memory(expected);
   const AllSeeds seeds = all_seeds(domain, spacing, options.seeding, context);
   DelaunayResult result{hull_around(domain.bounds_mm(), seeds.lattice.outer), report_on(seeds)};
   DelaunayReport& report = result.report;
@@ -209,6 +212,9 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
   if (report.complete)
     report.held_back = context.phase("settling", [&] { return settle_in(domain, options, result.mesh); });
   note_pinched(report);
+  if (options.edge_length_mm > 0 || options.delta_mm > 0)
+    if (std::string note = note_on_thin_parts(expected, spacing); !note.empty())
+      report.notes.push_back(std::move(note));
   if (result.mesh.tet_count() == 0)
     throw Error(ErrorKind::kBadInput,
                 "nothing of the object is left; choose a smaller `delta`, or other cut planes");
@@ -218,7 +224,7 @@ DelaunayResult mesh_delaunay(const Domain& domain, const DelaunayOptions& option
 double estimated_tetrahedra(const Domain& domain, const DelaunayOptions& options) {
   options.validate();
   const std::unique_ptr<Sizing> graded = graded_sizing(domain, options);
-  return delaunay::estimated_tets(spacing_of(domain, options, graded.get()));
+  return delaunay::estimated_tets(spacing_of(domain, options, graded.get())).all;
 }
 
 }  // namespace lumesh

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -17,6 +18,15 @@ constexpr int kSamples = 48;  // Along each axis.
 /// Volume over the volume of a regular tetrahedron with edges of the wanted length.
 constexpr double kRegularVolume = 0.11785;  // sqrt(2) / 12
 
+/// The length of edges at a place of a part so thin that it is less than the size there; else that size.
+double edge_at(const Spacing& spacing, const Vec3& x, Material m) {
+  constexpr double kCloser = 0.85, kReach = 1.6;  // Of sizes; half the thickness of a thin part, in spacings.
+  const double size = spacing.size_at(x, m), closeness = spacing.surface_spacing_at(x, m, 0);
+  const bool is_closer = kEdgePerSpacing * closeness < kCloser * size &&
+                         spacing.domain().surroundings(x).clearance_mm <= kReach * closeness;
+  return is_closer && spacing.is_thin_at(x, m, 0) ? kEdgePerSpacing * closeness : size;
+}
+
 /// Tetrahedra at a boundary that passes through a box, where its points stand so much closer than inside that
 /// these there outnumber those of the volume.
 double tets_at_boundary(const Spacing& spacing, const Vec3& x, Material m, const Vec3& step) {
@@ -31,38 +41,60 @@ double tets_at_boundary(const Spacing& spacing, const Vec3& x, Material m, const
 
 }  // namespace
 
-double estimated_tets(const Spacing& spacing) {
+EstimatedTets estimated_tets(const Spacing& spacing) {
   const Domain& domain = spacing.domain();
   const Box3 box = domain.bounds_mm();
   const Vec3 step = box.sizes() / kSamples;
   const auto slice_of = [&](std::size_t k) {
-    double tets = 0;
+    EstimatedTets tets;
     for (int j = 0; j < kSamples; ++j)
       for (int i = 0; i < kSamples; ++i) {
         const Vec3 x = box.min() + step.cwiseProduct(Vec3(i + 0.5, j + 0.5, static_cast<double>(k) + 0.5));
         const Material m = domain.material_at(x);
         if (!domain.is_meshed(m)) continue;
-        tets += step.prod() / (kRegularVolume * std::pow(spacing.size_at(x, m), 3));
-        tets += tets_at_boundary(spacing, x, m, step);
+        const double edge_mm = edge_at(spacing, x, m),
+                     here = step.prod() / (kRegularVolume * std::pow(edge_mm, 3));
+        tets.all += here;
+        if (edge_mm < spacing.size_at(x, m)) {
+          tets.in_thin_parts += here;
+          tets.least_edge_mm = std::min(tets.least_edge_mm, edge_mm);
+        } else {
+          tets.all += tets_at_boundary(spacing, x, m, step);
+        }
       }
     return tets;
   };
-  std::vector<double> slices(kSamples);
+  std::vector<EstimatedTets> slices(kSamples);
   parallel::for_each_index(slices.size(), 1, [&](std::size_t k) { slices[k] = slice_of(k); });
-  double sum = 0;
-  for (const double slice : slices) sum += slice;
+  EstimatedTets sum;
+  for (const EstimatedTets& slice : slices) {
+    sum.all += slice.all;
+    sum.in_thin_parts += slice.in_thin_parts;
+    sum.least_edge_mm = std::min(sum.least_edge_mm, slice.least_edge_mm);
+  }
   return sum;
 }
 
-void check_memory(const Spacing& spacing) {
+std::string note_on_thin_parts(const EstimatedTets& tets, const Spacing& spacing) {
+  constexpr double kMost = 0.5, kShorter = 0.7;
+  const bool is_much =
+      tets.in_thin_parts > kMost * tets.all && tets.least_edge_mm < kShorter * spacing.size_mm();
+  if (!is_much) return "";
+  return fmt::format(
+      "thin parts have about {:.0f} % of the tetrahedra: for their shape edges are {:.2g} mm long there, not "
+      "{:.3g} mm; a larger `edge_length` hardly makes fewer",
+      100 * tets.in_thin_parts / tets.all, tets.least_edge_mm, spacing.size_mm());
+}
+
+void check_memory(const EstimatedTets& tets) {
   constexpr double kBytesEach = 160;  // 120 were measured at the peak: docs/measurements.md.
-  const double tets = estimated_tets(spacing), free_bytes = static_cast<double>(available_memory_bytes());
-  if (tets * kBytesEach <= free_bytes) return;
+  const double bytes = tets.all * kBytesEach, free_bytes = static_cast<double>(available_memory_bytes());
+  if (bytes <= free_bytes) return;
   throw Error(
       ErrorKind::kMemory,
       fmt::format("about {:.3g} million tetrahedra would need {:.3g} GB of memory and {:.3g} GB are free; "
                   "choose a larger `delta` or `size`",
-                  tets / 1e6, tets * kBytesEach / 1e9, free_bytes / 1e9));
+                  tets.all / 1e6, bytes / 1e9, free_bytes / 1e9));
 }
 
 }  // namespace lumesh::delaunay

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "lumesh/core/grid.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "thinning.hpp"
 
 namespace lumesh::delaunay {
 namespace {
@@ -30,6 +32,11 @@ constexpr double kCurveReach = 0.5;
 /// Cells up to this size are seen from their middle, in units of how far the domain sees: what hides in a
 /// corner is much smaller than a voxel.
 constexpr double kSeen = 1.25;
+
+/// Cells that are cut finer than wanted, for the sake of close points on a boundary, are 0.85 to 1.7 of their
+/// spacings large, as it happens. Below the first of these numbers of spacings their inner points are thinned
+/// out, to the second number apart: else there would be eight times as many of them as in the largest ones.
+constexpr double kCrowded = 1.25, kCrowdedApart = 1.1;
 
 /// How far inner points stay from boundaries, in lattice constants.
 constexpr double kMargin = 0.5;
@@ -93,7 +100,8 @@ class LatticeDescent {
     const auto parts = parallel::collect_parts<Seeds>(
         roots.size(), kRootsPerPart, [&](std::size_t begin, std::size_t end, std::vector<Seeds>& out) {
           out.emplace_back();
-          for (std::size_t i = begin; i < end; ++i) descend(low_of(roots[i]), root_mm_, out.back());
+          for (std::size_t i = begin; i < end; ++i)
+            descend(low_of(roots[i]), root_mm_, kNoSpacing, out.back());
         });
     Seeds all;
     all.outer = around;
@@ -101,7 +109,10 @@ class LatticeDescent {
       all.inner.insert(all.inner.end(), part[0].inner.begin(), part[0].inner.end());
       all.outer.insert(all.outer.end(), part[0].outer.begin(), part[0].outer.end());
       all.boundary.insert(all.boundary.end(), part[0].boundary.begin(), part[0].boundary.end());
+      all.crowded.insert(all.crowded.end(), part[0].crowded.begin(), part[0].crowded.end());
     }
+    for (const std::uint32_t one : poisson_disk_subset(all.crowded))
+      all.inner.push_back(all.crowded[one].point);
     for (const std::vector<BoundaryCandidate>& more :
          {rim_candidates(), end_rim_candidates(), fixed_candidates()})
       all.boundary.insert(all.boundary.end(), more.begin(), more.end());
@@ -110,6 +121,7 @@ class LatticeDescent {
 
  private:
   static constexpr std::size_t kRootsPerPart = 16;
+  static constexpr double kNoSpacing = std::numeric_limits<double>::infinity();
 
   /// All along the rims of openings: where the wall slants, cells that look for boundaries may see none of
   /// it.
@@ -175,20 +187,23 @@ class LatticeDescent {
     return kConstantPerSize * spacing_.size_at(middle, domain_.is_meshed(m) ? m : 1);
   }
 
+  /// @param around  Spacing of points of a thin part that a cell around this one was divided for.
   /// @return false if nothing of the object, nor of what is near its boundary, is in the cell.
-  bool descend(const Vec3& low, double size, Seeds& out) const {
+  bool descend(const Vec3& low, double size, double around, Seeds& out) const {
     if (!holds_object(low, size)) return false;
     const Domain::Surroundings here = domain_.surroundings(low + Vec3::Constant(0.5 * size));
     if (is_small_enough(low, size)) {
       constexpr double kMaxSpacings = 1.7;
-      const double spacing = boundary_spacing(low, size, here, size / kMaxSpacings);
-      if (size <= kMaxSpacings * spacing) return add_leaf(low, size, here, spacing, out);
+      const Closeness closeness = closeness_in(low, size, here, size / kMaxSpacings);
+      if (size <= kMaxSpacings * closeness.spacing)
+        return add_leaf(low, size, here, {closeness.spacing, around}, out);
+      if (closeness.is_thin) around = std::min(around, closeness.spacing);
     }
     const bool is_of_one = here.clearance_mm >= kHalfDiagonal * size + kMargin * size;
     if (is_of_one && !domain_.is_meshed(here.material)) return false;
     const auto descend_to = [&](int child) {
       const Vec3 low_of_it = low_of_child(low, size, child);
-      return is_of_one ? fill(low_of_it, 0.5 * size, out) : descend(low_of_it, 0.5 * size, out);
+      return is_of_one ? fill(low_of_it, 0.5 * size, out) : descend(low_of_it, 0.5 * size, around, out);
     };
     std::array<bool, 8> holds{};
     for (int child = 0; child < 8; ++child) holds[static_cast<std::size_t>(child)] = descend_to(child);
@@ -218,6 +233,11 @@ class LatticeDescent {
     }
   }
 
+  /// Whether points of a boundary stand closer than sizes ask for.
+  [[nodiscard]] bool is_for_shapes(double spacing, const Vec3& low, double size) const {
+    constexpr double kCloser = 0.85;
+    return spacing < kCloser * wanted_constant(low, size) / (kConstantPerSize * kEdgePerSpacing);
+  }
   [[nodiscard]] bool is_small_enough(const Vec3& low, double size) const {
     constexpr double kMaxFiner = 4;  // Finer wants are left to the rules: they may have no end.
     constexpr double kShare = 0.8;   // Cells a little too large cost fewer points if the rules split them.
@@ -231,37 +251,54 @@ class LatticeDescent {
             low + 0.5 * size * Vec3(1, -1, 1)};
   }
 
-  /// How close points of a boundary in the cell stand; infinite if there is none, or none that is finer than
-  /// the lattice would have it. @param here  Around its middle. @param fine  Less is not told apart: parts of
-  /// a cell too large to be seen as a whole are looked at until one has so little.
-  [[nodiscard]] double boundary_spacing(const Vec3& low, double size, const Domain::Surroundings& here,
-                                        double fine) const {
-    double spacing = std::numeric_limits<double>::infinity();
-    if (here.clearance_mm > kHalfDiagonal * size) return spacing;
+  /// How close points of a boundary in a cell stand.
+  struct Closeness {
+    double spacing = kNoSpacing;
+    bool is_thin = false;  ///< Closer than sizes ask for, before a thin part of what is meshed.
+  };
+
+  /// No spacing if there is no boundary, or none that is finer than the lattice would have it.
+  /// @param here  Around its middle. @param fine  Less is not told apart: parts of a cell too large to be
+  /// seen as a whole are looked at until one has so little.
+  [[nodiscard]] Closeness closeness_in(const Vec3& low, double size, const Domain::Surroundings& here,
+                                       double fine) const {
+    Closeness closest;
+    if (here.clearance_mm > kHalfDiagonal * size) return closest;
     if (size > kSeen * reach_mm_) {
-      for (int child = 0; child < 8 && spacing >= fine; ++child) {
+      for (int child = 0; child < 8 && closest.spacing >= fine; ++child) {
         const Vec3 low_of_it = low_of_child(low, size, child);
         if (!box_.intersects(Box3(low_of_it, low_of_it + Vec3::Constant(0.5 * size)))) continue;
         const Domain::Surroundings there = domain_.surroundings(low_of_it + Vec3::Constant(0.25 * size));
-        spacing = std::min(spacing, boundary_spacing(low_of_it, 0.5 * size, there, fine));
+        const Closeness of_child = closeness_in(low_of_it, 0.5 * size, there, fine);
+        if (of_child.spacing < closest.spacing) closest = of_child;
       }
-      return spacing;
+      return closest;
     }
     const Vec3 middle = low + Vec3::Constant(0.5 * size);
     for (const Material other : domain_.materials_near(middle, kHalfDiagonal * size)) {
       if (other == here.material || !(domain_.is_meshed(other) || domain_.is_meshed(here.material))) continue;
-      if (const auto x = domain_.project(middle, {here.material, other}, size))
-        spacing = std::min(spacing, spacing_.surface_spacing_at(*x, here.material, other));
+      const auto x = domain_.project(middle, {here.material, other}, size);
+      if (!x) continue;
+      const double spacing = spacing_.surface_spacing_at(*x, here.material, other);
+      if (spacing >= closest.spacing) continue;
+      closest = {spacing, is_for_shapes(spacing, low, size) && spacing_.is_thin_at(*x, here.material, other)};
     }
-    return std::max(spacing, kMinSpacing * domain_.resolution_mm());
+    closest.spacing = std::max(closest.spacing, kMinSpacing * domain_.resolution_mm());
+    return closest;
   }
   [[nodiscard]] static Vec3 low_of_child(const Vec3& low, double size, int child) {
     return low + 0.5 * size * Vec3(child & 1, child >> 1 & 1, child >> 2);
   }
 
-  /// @param spacing  Of points of a boundary in the cell.
-  bool add_leaf(const Vec3& low, double size, const Domain::Surroundings& here, double spacing,
+  /// Spacings of points of a boundary.
+  struct LeafSpacings {
+    double here;    ///< In the cell.
+    double around;  ///< The spacing of a thin part that a cell around it was divided for.
+  };
+
+  bool add_leaf(const Vec3& low, double size, const Domain::Surroundings& here, const LeafSpacings& spacings,
                 Seeds& out) const {
+    const double spacing = spacings.here;
     const Vec3 middle = low + Vec3::Constant(0.5 * size);
     const bool is_meshed = domain_.is_meshed(here.material);
     // Where the clearance reaches over the whole cell, its corner is like its middle.
@@ -269,11 +306,11 @@ class LatticeDescent {
     // Inner points nearer to a boundary than this would be corners of its faces.
     constexpr double kMarginSpacings = 0.7;
     const double margin = std::max(kMargin * size, std::isfinite(spacing) ? kMarginSpacings * spacing : 0.0);
-    add_lattice_point(middle, here, size, margin, out);
-    const bool has_low = add_lattice_point(low, domain_.surroundings(low), size, margin, out);
+    add_lattice_point(middle, here, size, margin, spacings.around, out);
+    const bool has_low =
+        add_lattice_point(low, domain_.surroundings(low), size, margin, spacings.around, out);
     const bool may_be_near = here.clearance_mm <= 0.95 * size || here.clearance_mm >= 0.99 * reach_mm_;
-    const bool is_known =
-        size > kSeen * reach_mm_ && !std::isfinite(spacing);  // boundary_spacing() saw none.
+    const bool is_known = size > kSeen * reach_mm_ && !std::isfinite(spacing);  // closeness_in() saw none.
     if (!may_be_near || is_known) return is_meshed || has_low;
     // So many that few gaps stay between them.
     constexpr double kCandidateSpacing = 0.72;
@@ -288,10 +325,13 @@ class LatticeDescent {
   }
 
   bool add_lattice_point(const Vec3& place, const Domain::Surroundings& here, double size, double margin,
-                         Seeds& out) const {
+                         double around, Seeds& out) const {
     if (!domain_.is_meshed(here.material) || here.clearance_mm < std::min(margin, 0.99 * reach_mm_))
       return false;
-    out.inner.push_back(perturbed(place, size));
+    if (size < kCrowded * around && std::isfinite(around))
+      out.crowded.push_back({perturbed(place, size), {here.material}, kCrowdedApart * around});
+    else
+      out.inner.push_back(perturbed(place, size));
     return true;
   }
 

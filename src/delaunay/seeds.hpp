@@ -19,6 +19,7 @@ struct BoundaryCandidate {
 struct Seeds {
   std::vector<Vec3> inner;
   std::vector<Vec3> outer;  ///< Coarser, so that no tetrahedron outside reaches past many of the boundary.
+  std::vector<BoundaryCandidate> crowded;   ///< Points inside that stand too close; `inner` has what is left.
   std::vector<BoundaryCandidate> boundary;  ///< Several candidates for each point that is needed.
 };
 

@@ -38,7 +38,7 @@ class Thinning {
 
   [[nodiscard]] std::vector<std::uint32_t> run() {
     for (const std::size_t max_materials :
-         {std::size_t{MaterialSet::kCapacity}, std::size_t{3}, std::size_t{2}})
+         {std::size_t{MaterialSet::kCapacity}, std::size_t{3}, std::size_t{2}, std::size_t{1}})
       for (const bool is_fixed : {true, false})
         for (Level& level : levels_) take_of(level, max_materials, is_fixed);
     std::vector<std::uint32_t> all;

@@ -9,8 +9,8 @@
 namespace lumesh::delaunay {
 
 /// Indices of a maximal set of candidates of which none is nearer to another than the lesser spacing of both:
-/// corners first, then points of curves, then of surfaces, and of each kind the fixed ones first. Parallel
-/// inside, the same for every thread count.
+/// corners first, then points of curves, of surfaces, and inside, and of each kind the fixed ones first.
+/// Parallel inside, the same for every thread count.
 [[nodiscard]] std::vector<std::uint32_t> poisson_disk_subset(std::span<const BoundaryCandidate> candidates);
 
 }  // namespace lumesh::delaunay
