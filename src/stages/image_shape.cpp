@@ -113,7 +113,7 @@ std::string other_shapes(const ImageShape& image, std::span<const LabelShape> sh
 }
 
 std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
-  constexpr std::uint64_t kMin = 100;  // Voxels.
+  constexpr std::uint64_t kMin = 27;  // Voxels.
   const std::map<Label, double> volumes = volumes_of_labels(mesh);
   std::size_t others = 0;
   double worst = 0;

@@ -123,6 +123,13 @@ struct Voxels {
                     kLeastShare * area_mm2 + kDeviations * chance + kChange * change);
   }
 
+  /// Whether the section grows by more than a quarter within a voxel: it is that of a wall along the border.
+  [[nodiscard]] bool is_along_wall() const {
+    constexpr double kGrowth = 0.25, kDeviations = 2.5, kPerEdge = 0.085;
+    const double chance = face_mm2 * std::sqrt(2 * kPerEdge * static_cast<double>(edge_count));
+    return next_area_mm2 - area_mm2 > kGrowth * area_mm2 + kDeviations * chance;
+  }
+
   /// Whether there are too few faces to tell the section of a vessel.
   [[nodiscard]] bool is_tiny() const { return area_mm2 < kFewFaces * face_mm2; }
 };
@@ -162,7 +169,15 @@ std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<con
         "{} at {} is the section of a wall whose lumen has no label: at the border its area may be a tenth "
         "off; give the lumen a label, or cut some voxels further in with {}",
         opening.name, place_text(opening.centre_mm), "`cut_plane`");
-  if (!voxels.contradict(opening.area_mm2)) return "";
+  if (!voxels.contradict(opening.area_mm2))
+    return voxels.is_along_wall()
+               ? fmt::format(
+                     "{} at {} lies along the wall of a vessel, {:.0f} % larger one voxel further in: its "
+                     "{:.4g} mm² are no section of the vessel; cut that with {} or {}",
+                     opening.name, place_text(opening.centre_mm),
+                     100 * (voxels.next_area_mm2 / voxels.area_mm2 - 1), opening.area_mm2,
+                     option_name("cut_at"), option_name("clip_ends"))
+               : "";
   const double off = opening.area_mm2 - voxels.area_mm2;
   return fmt::format(
       "{} at {} has {:.4g} mm², {:.0f} % {} than its {:.4g} mm² of voxel faces; cut it a few voxels "

@@ -33,10 +33,11 @@ struct BorderSection {
 /// A line for each opening at the border whose section is far from what the faces of the border's voxels say:
 /// its area by more than a tenth and 0.7 voxels times the section's width, or by more than a twentieth, 2.5
 /// times the standard deviation of how many centres of voxels fall within an outline of its length, and a
-/// tenth of what the section differs from the next layer's by; or joined from separate sections; for sections
-/// of at least 8 faces that are in no opening; for sections of hollow walls; and for openings in two or three
-/// faces of the image that one vessel leaves through their edge. Smooth sections and voxels differ by less,
-/// measured on oblique cylinders of 1.5 to 20 voxels in radius.
+/// tenth of what the section differs from the next layer's by; or that grows by more than a quarter within a
+/// voxel, as a wall along the border does; or joined from separate sections; for sections of at least 8 faces
+/// that are in no opening; for sections of hollow walls; and for openings in two or three faces of the image
+/// that one vessel leaves through their edge. Smooth sections and voxels differ by less, measured on oblique
+/// cylinders of 1.5 to 20 voxels in radius.
 /// @param cuts  What lies beyond them is left out. Cost: linear in the faces of the border.
 [[nodiscard]] std::vector<std::string> doubts_about_sections(const LabelImage& image,
                                                              std::span<const CutPlane> cuts,

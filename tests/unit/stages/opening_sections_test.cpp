@@ -38,6 +38,18 @@ TEST(OpeningSections, ThoseOfTubesAreNotDoubted) {
     }
 }
 
+/// A vessel along the border, of which a strip of the wall lies in it.
+TEST(OpeningSections, OneAlongTheWallIsTold) {
+  const LabelImage image = fixtures::voxels_of(fixtures::frame_of({50, 24, 26}), {0, 1}, [](const Vec3& p) {
+    return std::hypot(p.y() - 6.17, p.z() - 12.2) < 7 ? 1 : 0;
+  });
+  const std::vector<std::string> doubts =
+      doubts_about_sections(image, {}, find_openings(ImageDomain(image, {})));
+  EXPECT_TRUE(std::ranges::any_of(doubts, [](const std::string& doubt) {
+    return doubt.find("lies along the wall of a vessel") != std::string::npos;
+  })) << (doubts.empty() ? "nothing" : doubts.front());
+}
+
 /// A cut leaves some voxels behind its plane, for the boundary to go on there.
 TEST(OpeningSections, WhatWasCutOffIsNotDoubted) {
   const LabelImage image = two_tubes(5.2, 0.4);
