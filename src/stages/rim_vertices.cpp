@@ -16,23 +16,32 @@
 namespace lumesh {
 namespace {
 
+/// How many triangles of some patches there are at each edge.
+using TrianglesAt = std::map<std::array<std::uint32_t, 2>, int>;
+
+void add_edges(const Cell<3>& corners, TrianglesAt& all) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto [a, b] = std::minmax(corners[i], corners[(i + 1) % 3]);
+    ++all[{a, b}];
+  }
+}
+
 /// The triangles of one patch of openings.
 struct RimmedPatch {
   AreaSum sum;
-  std::map<std::array<std::uint32_t, 2>, int> triangles_at;  // Of each edge.
+  TrianglesAt triangles_at;
 
   void add(const Cell<3>& corners, std::span<const Vec3> points) {
     sum.add(points[corners[0]], points[corners[1]], points[corners[2]]);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto [a, b] = std::minmax(corners[i], corners[(i + 1) % 3]);
-      ++triangles_at[{a, b}];
-    }
+    add_edges(corners, triangles_at);
   }
-  /// The rim's vertices, each with its longest edge there.
-  [[nodiscard]] std::map<std::uint32_t, double> rim(std::span<const Vec3> points) const {
+  /// The rim's vertices, each with its longest edge there. @param of_label  Edges of all openings of its
+  /// label: what is between two patches of one end is no rim.
+  [[nodiscard]] std::map<std::uint32_t, double> rim(std::span<const Vec3> points,
+                                                    const TrianglesAt& of_label) const {
     std::map<std::uint32_t, double> longest_mm;
     for (const auto& [edge, count] : triangles_at)
-      if (count == 1)
+      if (count == 1 && of_label.at(edge) == 1)
         for (const std::uint32_t v : edge)
           longest_mm[v] = std::max(longest_mm[v], (points[edge[0]] - points[edge[1]]).norm());
     return longest_mm;
@@ -87,14 +96,14 @@ class PlaneView {
 
 /// The line of a patch; empty if all of its rim is where the vessel ends.
 std::string note_on(const Patch& patch, const RimmedPatch& triangles, std::span<const Vec3> points,
-                    const Domain& domain) {
+                    const TrianglesAt& of_label, const Domain& domain) {
   constexpr double kOff = 0.5;  // Resolutions.
   const PlaneView view(domain, patch.labels[0], triangles.sum.normal.normalized());
   const double radius_mm = circle_radius(triangles.sum.area);
   std::size_t count = 0;
   double worst_mm = 0;
   Vec3 place = Vec3::Zero();
-  for (const auto& [v, edge_mm] : triangles.rim(points)) {
+  for (const auto& [v, edge_mm] : triangles.rim(points, of_label)) {
     const double lift_mm = edge_mm * edge_mm / (8 * radius_mm);  // What an edge cuts off a circle.
     const double off_mm = view.off_mm(points[v], kOff * domain.resolution_mm() + lift_mm);
     if (off_mm == 0) continue;
@@ -115,16 +124,18 @@ std::string note_on(const Patch& patch, const RimmedPatch& triangles, std::span<
 
 std::vector<std::string> notes_on_rims(const MeshView& mesh, const Domain& domain) {
   std::map<std::int32_t, RimmedPatch> patches;
+  std::map<Label, TrianglesAt> of_labels;
   for_each_patch_triangle(mesh, [&](const Cell<3>& corners, std::int32_t patch) {
     const auto at = static_cast<std::size_t>(patch);
-    if (at < mesh.info->patches.size() && mesh.info->patches[at].kind == PatchKind::kOpening)
-      patches[patch].add(corners, mesh.points);
+    if (at >= mesh.info->patches.size() || mesh.info->patches[at].kind != PatchKind::kOpening) return;
+    patches[patch].add(corners, mesh.points);
+    add_edges(corners, of_labels[mesh.info->patches[at].labels[0]]);
   });
   std::vector<std::string> notes;
   for (const auto& [patch, triangles] : patches) {
     if (!(triangles.sum.normal.norm() > 0)) continue;
-    std::string note =
-        note_on(mesh.info->patches[static_cast<std::size_t>(patch)], triangles, mesh.points, domain);
+    const Patch& known = mesh.info->patches[static_cast<std::size_t>(patch)];
+    std::string note = note_on(known, triangles, mesh.points, of_labels.at(known.labels[0]), domain);
     if (!note.empty()) notes.push_back(std::move(note));
   }
   return notes;
