@@ -69,7 +69,9 @@ class CaseReader {
     try {
       return toml::parse(text, name_);
     } catch (const toml::parse_error& error) {
-      throw_bad_entry(error.source(), std::string(error.description()));
+      std::string what(error.description());
+      if (what.find("determine value type") != std::string::npos) what += "; texts stand in quotes";
+      throw_bad_entry(error.source(), what);
     } catch (const std::logic_error& broken) {
       throw Error(ErrorKind::kBadInput, fmt::format("{}: is no TOML ({})", name_, broken.what()));
     }

@@ -73,6 +73,7 @@ void describe_mesh(const CaseState& state, report::StageReport& stage) {
       evaluation_input(state.given.image ? &*state.given.image : nullptr, state.given.image_domain(),
                        state.phantom ? &*state.phantom : nullptr, state.c.input.cuts, state.given.cut_planes,
                        state.centerline);
+  if (state.given.image) input.given_frame = &state.given.given_frame;
   input.kernel = state.mixed ? nullptr : &state.mesh;
   stage.evaluation =
       state.context.phase("measures", [&] { return quality::evaluate(mesh.view, input, state.context); });

@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
@@ -53,15 +54,27 @@ void describe_image(const LabelImage& image, report::StageReport& stage) {
     throw Error(ErrorKind::kBadInput, "has no voxel that is not background; check labels and threshold");
 }
 
+void extend_image(CaseState& state, report::StageReport& stage) {
+  static_cast<void>(state.given.domain_of_image());
+  const LabelImage& image = *state.given.image;
+  const std::vector<double> voxels = count_kept_voxels(image, state.given.cut_planes);
+  for (std::size_t i = 1; i < voxels.size(); ++i)
+    if (voxels[i] > 0)
+      stage.figures.push_back({fmt::format("Label {} with extensions", image.values()[i]),
+                               voxels[i] * image.frame().voxel_volume_mm3(), "mm3"});
+}
+
 void describe_surface(CaseState& state, report::StageReport& stage) {
-  stage.figures.push_back({"Triangles", std::uint64_t{state.given.surface->mesh.triangles.size()}});
+  const SurfaceInput& given = *state.given.surface;
+  const bool is_as_read = given.closed.empty() && state.c.input.cuts.none();
+  stage.figures.push_back({is_as_read ? "Triangles" : "Triangles, once closed, cut and extended",
+                           std::uint64_t{given.mesh.triangles.size()}});
   state.given.look_at_surface();
-  if (state.given.surface->closed.empty()) return;
-  std::size_t number = 0;
-  for (const std::string& line : closing_lines(state.given.surface->closed)) {
-    state.context.info(line);
-    stage.figures.push_back({fmt::format("Closed {}", ++number), line});
-  }
+  if (given.closed.empty()) return;
+  const std::vector<std::string> lines = closing_lines(given.closed);
+  for (const std::string& line : lines) state.context.info(line);
+  stage.figures.push_back(
+      {"Closed", std::uint64_t{given.closed.size()}, "", fmt::format("{}", fmt::join(lines, "; "))});
 }
 
 /// Where no vessel has an opening, the mesh's stage says so.
@@ -88,9 +101,8 @@ void read_input(CaseState& state, report::StageReport& stage) {
     state.given.cut_image();
     if (state.c.mesher == Mesher::kLattice)
       naming(state.given.name, [&] { state.c.lattice_options().require_labels_of(*state.given.image); });
-    if (state.c.input.cuts.extension.is_wanted())
-      static_cast<void>(state.given.domain_of_image());  // Extends the image.
     naming(state.given.name, [&] { describe_image(*state.given.image, stage); });
+    if (state.c.input.cuts.extension.is_wanted()) extend_image(state, stage);
   }
   read_sources(state);
   check_layers(state);

@@ -149,9 +149,21 @@ std::vector<TopologyDifference> list_topology_differences(Evaluation& evaluation
   return differences;
 }
 
+/// The farthest voxel by its number in another frame; by none beyond that.
+void number_in(const ImageFrame& frame, KeptVoxels& kept) {
+  if (!kept.worst) return;
+  const Index3 voxel = frame.to_index(kept.worst->centre_mm).array().round().cast<int>().matrix();
+  kept.worst->voxel = frame.contains(voxel) ? std::optional(voxel) : std::nullopt;
+}
+
 void add_voxels_kept(const MeshView& mesh, const MeshSurface& surface, const EvaluationInput& input,
                      Evaluation& evaluation) {
   VoxelsKept kept = count_voxels_kept(mesh, surface, *input.image, input.cut_planes);
+  if (input.given_frame != nullptr) {
+    for (LabelKeptVoxels& label : kept.labels) number_in(*input.given_frame, label.voxels);
+    number_in(*input.given_frame, kept.background);
+    number_in(*input.given_frame, kept.all);
+  }
   for (LabelKeptVoxels& label : kept.labels) entry(evaluation, label.label).voxels_kept = label.voxels;
   evaluation.image->background_kept = kept.background;
   evaluation.image->voxels_kept = kept.all;
@@ -217,7 +229,7 @@ void add_image(const MeshView& mesh, const MeshSurface& surface, const Evaluatio
     for (const LabelTopology& voxels : label_topology(image)) entry(evaluation, voxels.label).image = voxels;
   });
   ImageEvaluation& result = evaluation.image.emplace();
-  result.frame = image.frame();
+  result.frame = input.given_frame != nullptr ? *input.given_frame : image.frame();
   result.all = context.phase("voxel topology of the union", [&] { return union_topology(image); });
   if (!input.cut_planes.empty())
     context.phase("voxels that the cuts keep", [&] { cut_volumes(input, evaluation); });

@@ -62,9 +62,9 @@ void add_kept(Table& table, const std::string& name, const KeptVoxels& kept, dou
   std::vector<std::string> row = {name, grouped(kept.counted), grouped(kept.counted - kept.kept),
                                   fmt::format("{:.3f} %", 100 * kept.share())};
   if (const auto& worst = kept.worst)
-    row.insert(row.end(), {fmt::format("{:.3f}", worst->distance_mm / voxel),
-                           fmt::format("{:.3g}", worst->distance_mm), table_place(worst->centre_mm),
-                           fmt::format("{}, {}, {}", worst->voxel.x(), worst->voxel.y(), worst->voxel.z())});
+    row.insert(row.end(),
+               {fmt::format("{:.3f}", worst->distance_mm / voxel), fmt::format("{:.3g}", worst->distance_mm),
+                table_place(worst->centre_mm), voxel_text(worst->voxel, ", ")});
   else
     row.insert(row.end(), {"–", "–", "", ""});
   table.push_back(row);

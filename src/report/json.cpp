@@ -151,11 +151,14 @@ Json to_json(const LabelTopology& voxels) {
 
 Json to_json(const KeptVoxels& kept, double voxel_size_mm) {
   Json json = {{"counted", kept.counted}, {"kept", kept.kept}, {"share", kept.share()}, {"worst", nullptr}};
-  if (const auto& worst = kept.worst)
+  if (const auto& worst = kept.worst) {
     json["worst"] = {{"distance_mm", worst->distance_mm},
                      {"distance_voxels", worst->distance_mm / voxel_size_mm},
                      {"centre_mm", point(worst->centre_mm)},
-                     {"voxel", Json::array({worst->voxel.x(), worst->voxel.y(), worst->voxel.z()})}};
+                     {"voxel", nullptr}};
+    if (const auto& voxel = worst->voxel)
+      json["worst"]["voxel"] = Json::array({voxel->x(), voxel->y(), voxel->z()});
+  }
   return json;
 }
 

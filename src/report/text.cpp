@@ -164,9 +164,8 @@ std::string kept_row(const std::string& name, const KeptVoxels& kept, double vox
       fmt::format("  {:<10}{:>9} %{:>10}{:>12}", name, fmt::format("{:.3f}", 100 * kept.share()),
                   grouped(kept.counted - kept.kept), grouped(kept.counted));
   if (const auto& worst = kept.worst) {
-    text +=
-        fmt::format("{:>8.3f}{:>8.3g}  {}  {} {} {}", worst->distance_mm / voxel, worst->distance_mm,
-                    decimals_text(worst->centre_mm, 1), worst->voxel.x(), worst->voxel.y(), worst->voxel.z());
+    text += fmt::format("{:>8.3f}{:>8.3g}  {}  {}", worst->distance_mm / voxel, worst->distance_mm,
+                        decimals_text(worst->centre_mm, 1), voxel_text(worst->voxel, " "));
   }
   return text + "\n";
 }
@@ -293,6 +292,11 @@ std::string grouped(std::uint64_t count) {
 std::string five_digits(double value) {
   if (!(value >= 1e4 && value < 1e15)) return fmt::format("{:.5g}", value);
   return grouped(static_cast<std::uint64_t>(std::llround(value)));
+}
+
+std::string voxel_text(const std::optional<Index3>& voxel, std::string_view between) {
+  if (!voxel) return "beyond the image";
+  return fmt::format("{}{}{}{}{}", voxel->x(), between, voxel->y(), between, voxel->z());
 }
 
 std::string summary_text(const Evaluation& e) {

@@ -88,6 +88,7 @@ void DomainRead::read() {
 }
 
 void DomainRead::cut_image() {
+  given_frame = image->frame();
   cut_planes = naming(
       name, [&] { return context_.phase("cuts", [&] { return cut_off(*image, input_.cuts, context_); }); });
   const std::string pieces =

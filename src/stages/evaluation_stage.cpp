@@ -92,8 +92,10 @@ quality::Evaluation evaluate_mesh(const MixedMesh& mesh, const std::string& name
   std::shared_ptr<const ImageDomain> domain;
   std::vector<std::string> doubts;
   Polylines axes;
+  ImageFrame given_frame;
   if (!request.image.empty()) {
     image = read_cut_image(request.image, request.selection, request.cuts, planes, context);
+    given_frame = image->frame();
     if (request.cuts.extension.is_wanted())
       domain =
           naming(request.image, [&] { return domain_of_cut(*image, planes, request.cuts, {}, context); });
@@ -102,8 +104,9 @@ quality::Evaluation evaluate_mesh(const MixedMesh& mesh, const std::string& name
   }
   std::optional<Phantom> phantom;
   if (!request.reference.empty()) phantom.emplace(phantom_spec_from_json(read_text_file(request.reference)));
-  const quality::EvaluationInput input = evaluation_input(
+  quality::EvaluationInput input = evaluation_input(
       image ? &*image : nullptr, domain.get(), phantom ? &*phantom : nullptr, request.cuts, planes, axes);
+  if (image) input.given_frame = &given_frame;
   quality::Evaluation evaluation =
       naming(name, [&] { return quality::evaluate(mesh.view(), input, context); });
   evaluation.warnings.insert(evaluation.warnings.begin(), doubts.begin(), doubts.end());

@@ -100,6 +100,18 @@ class EvaluateTest(ProgramTest):
         self.assertIn("label 1 at (13.33, 2.33, 20.00) mm: " + words, result.stdout)
         self.assertIn(words, report.read_text(encoding="utf-8"))
 
+    def test_voxels_have_the_indices_of_the_image_given_however_it_is_extended(self):
+        self.mesh = self.folder / "long.vtu"
+        self.run_well("delaunay", self.image, "--extend", "5", "-o", self.mesh, "--edge-length", 2, "-q")
+        _, numbers = self.evaluate("--extend", "5")
+        self.assertEqual(numbers["image"]["size"], [16, 16, 64])
+        told = [kept["worst"] for kept in (numbers["image"]["voxels_kept"], numbers["image"]["background_voxels_kept"]) if kept["worst"]]
+        self.assertTrue(told)
+        for worst in told:  # Voxels of 1 mm, the first in the origin.
+            place = [round(x) for x in worst["centre_mm"]]
+            is_within = all(0 <= x < n for x, n in zip(place, (16, 16, 64)))
+            self.assertEqual(worst["voxel"], place if is_within else None)
+
     def test_axes_come_from_a_file_or_are_left_out(self):
         self.write_mesh(5.7)
         result, numbers = self.evaluate("--centerline", "none")

@@ -8,6 +8,7 @@ import json
 import math
 import pathlib
 import re
+import struct
 import sys
 import unittest
 from html.parser import HTMLParser
@@ -113,6 +114,41 @@ class FoldsTest(ProgramTest):
         case = self.folder / "case.toml"
         case.write_text('mesher = "lattice"\n[input]\nimage = "blobs.nrrd"\n[lattice]\nspacing = 2.5\n[output]\nmeshes = ["a.vtu"]\nreport = ""\n')
         self.assertEqual(folds(self.run_lumesh("run", case, "-o", self.folder / "out")), told)
+
+
+class ExtendedInputTest(ProgramTest):
+    """The report's first stage tells of what was given, apart from what was made of it."""
+
+    def numbers(self, *settings):
+        case = self.folder / "case.toml"
+        case.write_text('mesher = "delaunay"\n[delaunay]\nedge_length = 2\n[output]\nmeshes = ["a.vtu"]\nreport = ""\n')
+        result = self.run_well("run", case, "-o", self.folder / "out", *(word for one in settings for word in ("--set", one)))
+        return result, json.loads((self.folder / "out/report.json").read_text())
+
+    def test_an_extended_image_has_its_own_voxels_and_a_volume_that_is_the_meshs(self):
+        size = [20, 18, 30]
+        voxels = [int((i - 9.5) ** 2 + (j - 8.5) ** 2 < 16.5) for _ in range(size[2]) for j in range(size[1]) for i in range(size[0])]
+        image = nrrd.write(self.folder / "tube.nrrd", size, voxels)
+        result, report = self.numbers(f"input.image={image}", "input.extend=10.3")
+        self.assertIn("voxels 20 x 18 x 30", result.stdout)
+        figures = {figure["name"]: figure["value"] for figure in report["stages"][0]["figures"]}
+        self.assertEqual((figures["Voxels"], figures["Label 1"]), ("20 x 18 x 30", sum(voxels)))
+        self.assertAlmostEqual(figures["Label 1 with extensions"] / (sum(voxels) * (30 + 2 * 10.3) / 30), 1, delta=0.01)
+        label = report["stages"][1]["evaluation"]["labels"][0]
+        self.assertAlmostEqual(figures["Label 1 with extensions"], label["voxel_volume_mm3"], places=6)
+
+    def test_an_open_surface_is_told_with_what_was_closed_of_it(self):
+        image, closed, opened = (self.folder / name for name in ("tube.nrrd", "closed.stl", "open.stl"))
+        nrrd.write(image, [20, 20, 30], [int((i - 9) ** 2 + (j - 9) ** 2 < 16.5) for _ in range(30) for j in range(20) for i in range(20)])
+        self.run_well("lattice", image, "-o", self.folder / "tube.vtu", "--surface", closed, "-q")
+        data = closed.read_bytes()
+        facets = [data[84 + 50 * f:134 + 50 * f] for f in range(int.from_bytes(data[80:84], "little"))]
+        wall = [f for f in facets if abs(struct.unpack("<3f", f[:12])[2]) < 0.999]
+        opened.write_bytes(data[:80] + len(wall).to_bytes(4, "little") + b"".join(wall))
+        result, report = self.numbers(f"input.surface={opened}")
+        self.assertRegex(result.stdout, r"input .*open\.stl, triangles, once closed, cut and extended \d+, closed 2\n")
+        closed_of = next(figure for figure in report["stages"][0]["figures"] if figure["name"] == "Closed")
+        self.assertEqual(closed_of["note"].count("capped "), 2)
 
 
 class SizesTest(CaseTest):
@@ -326,6 +362,7 @@ class RunTest(CaseTest):
         refused = [
             ("[input]\nphantom = \"carotid\"\n[metric]\ncomplexty = 5\n", "case.toml:4: unknown key \"complexty\""),
             ("[input\n", "case.toml:1"),
+            ("mesher = delaunay\n", "quotes"),
             ("[input]\nimage = \"no.nrrd\"\n", "no.nrrd"),
             ("[input]\nphantom = \"carotis\"\n", "carotis"),
             ("[input]\nphantom = \"sphere\"\n[metric]\npoints = \"no.vtp\"\n", "no.vtp"),

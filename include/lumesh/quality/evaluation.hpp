@@ -98,6 +98,8 @@ struct Evaluation {
 
 struct EvaluationInput {
   const LabelImage* image = nullptr;  ///< Optional: the image the mesh was made from.
+  /// Optional: where the image was extended, its frame before, in which voxels are numbered.
+  const ImageFrame* given_frame = nullptr;
   const ImageDomain* domain =
       nullptr;  ///< Optional: the image's with the cut planes; else made, by default options.
   const Phantom* phantom = nullptr;  ///< Optional: the truth behind the image.

@@ -79,6 +79,7 @@ class DomainRead {
 
   std::string name;                       ///< Name of what is meshed: the path, unless it is none.
   std::optional<LabelImage> image;        ///< Without what is cut off.
+  ImageFrame given_frame = {};            ///< Frame of the image before it was extended.
   std::vector<CutPlane> cut_planes = {};  ///< Planes that cut the image.
   std::optional<SurfaceInput> surface;    ///< The surface, where there is no image.
   /// The domain of the image, once it was asked for.
