@@ -9,6 +9,7 @@
 #include "format_table.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/trimmed.hpp"
+#include "lumesh/io/patch_names.hpp"
 #include "mesh_formats.hpp"
 
 namespace lumesh {
@@ -50,6 +51,9 @@ PointData data_of_vtu(const Path& path) {
   return io::read_vtk_xml_point_data(path, "UnstructuredGrid");
 }
 
+/// Beside the bits of uses: what is written has no place for names of patches.
+constexpr unsigned kNameless = 1U << 31U;
+
 constexpr unsigned kVolumeIn = bits(kRead, kReadVolume, kPoints), kTetrahedraOut = bits(kWrite, kWriteVolume),
                    kVolume = kVolumeIn | kTetrahedraOut | bits(kWriteMixed),
                    kVtkVolume = kVolume | bits(kCarryMetric, kLabelAlias, kPointData),
@@ -67,7 +71,7 @@ constexpr auto kFormats = std::to_array<FileFormat>({
     {".vtk", ".vtk", kVtkVolume | bits(kPatchArray), kLegacyVtk},
     {".vtk.gz", "", kVolumeIn | bits(kPointData, kPatchArray), kLegacyVtk},
     {".mesh", ".mesh", kVolume, {io::read_medit_ascii, write_plainly<io::write_medit_ascii>}},
-    {".meshb", ".meshb", kVolume, {io::read_medit_binary, write_plainly<io::write_medit_binary>}},
+    {".meshb", ".meshb", kVolume | kNameless, {io::read_medit_binary, write_plainly<io::write_medit_binary>}},
     {".msh", ".msh", kVolume, {io::read_gmsh, write_gmsh}},
     {".foam",
      ".foam for OpenFOAM",
@@ -82,11 +86,15 @@ constexpr auto kFormats = std::to_array<FileFormat>({
      ".vtp",
      kSurface | bits(kPatchArray, kLabelAlias, kPointData, kLines),
      {io::read_vtp_surface, io::write_vtp_surface, io::read_vtp_surface_by, points_of_vtp, data_of_vtp}},
-    {".stl", ".stl", kSurface | bits(kWriteSingle), {io::read_stl, write_plainly<io::write_stl>}, "solid"},
+    {".stl",
+     ".stl",
+     kSurface | kNameless | bits(kWriteSingle),
+     {io::read_stl, write_plainly<io::write_stl>},
+     "solid"},
     {".stl.gz", "", kSurfaceIn, {io::read_stl}, "solid"},
     {".obj", ".obj", kSurfaceIn, {io::read_obj}, "group"},
     {".ply", ".ply", kSurfaceIn, {io::read_ply}},
-    {".off", ".off", kSurface, {io::read_off, write_plainly<io::write_off>}},
+    {".off", ".off", kSurface | kNameless, {io::read_off, write_plainly<io::write_off>}},
     {".sol", ".sol", bits(kMetricAlone)},
     {".solb", ".solb", bits(kMetricAlone)},
     {".csv", ".csv", kTable, kText},
@@ -148,8 +156,19 @@ bool is_for(const Path& path, FileUse use) {
   return found_format(path, use) != nullptr;
 }
 
+bool io::is_written_only(const Path& path) {
+  return is_for(path, kWrite) && !is_for(path, kRead);
+}
+
+bool keeps_patch_names(const Path& path) {
+  const FileFormat* const format = found_format(path, kWrite);
+  return format != nullptr && (format->uses & kNameless) == 0;
+}
+
 void require_format(const Path& path, FileUse use, ErrorKind kind) {
   if (is_for(path, use)) return;
+  if ((use == kRead || use == kReadVolume) && io::is_written_only(path))
+    io::fail(path, io::kWrittenOnly, kind);
   const auto words = std::ranges::find(kUses, use, &UseWords::use);
   io::fail(path, fmt::format("unknown {}; use {}", words->unknown, formats_for(use, " or ")), kind);
 }

@@ -46,6 +46,11 @@ struct FileFormat {
   [[nodiscard]] constexpr bool serves(FileUse use) const { return (uses & bits(use)) != 0; }
 };
 
+/// Files for solvers, and what is said where one is to be read.
+[[nodiscard]] bool is_written_only(const std::filesystem::path& path);
+inline constexpr std::string_view kWrittenOnly =
+    "is of a format that is written for solvers and not read; give the mesh that it was made from";
+
 /// The format of a file name. @throws Error{kBadInput} as require_format().
 [[nodiscard]] const FileFormat& format_of(const std::filesystem::path& path, FileUse use);
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "file_fault.hpp"
+#include "format_table.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
@@ -19,6 +20,7 @@ using io::fail;
 
 void check_image(const fs::path& path) {
   std::error_code ignored;
+  if (io::is_written_only(path)) fail(path, io::kWrittenOnly);
   if (fs::is_directory(path, ignored)) return;
   io::check_file(path);
   if (fs::file_size(path, ignored) == 0) fail(path, "is empty; copy it again");

@@ -77,7 +77,7 @@ struct FaceFile {
 FaceFile gather_faces(const MeshView& mesh, const std::vector<FaceOwner>& owners,
                       const std::vector<std::uint32_t>& triangles) {
   FaceFile file;
-  const std::vector<std::int32_t> id_of = model_face_ids(mesh.info->patches);
+  const std::vector<std::int32_t> id_of = model_face_ids(*mesh.info);
   std::vector<std::uint32_t> used;
   for (const std::uint32_t t : triangles)
     used.insert(used.end(), owners[t].outward.begin(), owners[t].outward.end());

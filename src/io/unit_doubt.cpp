@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "face_ids.hpp"
+#include "lumesh/mesh/face_numbers.hpp"
 
 namespace lumesh {
 
@@ -29,7 +29,7 @@ std::string remedy(const char* unit) {
 
 bool has_numbered_faces(std::span<const Patch> patches) {
   return std::ranges::any_of(patches,
-                             [](const Patch& patch) { return patch.name.starts_with(io::kNumberedFace); });
+                             [](const Patch& patch) { return patch.name.starts_with(kNumberedFace); });
 }
 
 std::string unit_doubt(const ModelSizes& sizes) {

@@ -47,7 +47,7 @@ void write_vtp_surface(const std::filesystem::path& path, const MeshView& mesh,
   writer.print("<CellData Scalars=\"patch\">\n");
   writer.numbers("patch", surface.patches);
   if (options.compat == LabelAlias::kSimVascular) {
-    const std::vector<std::int32_t> id_of = model_face_ids(mesh.info->patches);
+    const std::vector<std::int32_t> id_of = model_face_ids(*mesh.info);
     std::vector<std::int32_t> ids;
     for (const std::int32_t patch : surface.patches) ids.push_back(id_of.at(static_cast<std::size_t>(patch)));
     writer.numbers("ModelFaceID", ids);

@@ -16,6 +16,7 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/core/trimmed.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/face_numbers.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_words.hpp"
 
@@ -136,6 +137,17 @@ void set_name_and_kind(const PatchRenaming& renaming, Patch& patch) {
   patch.name = renaming.name;
 }
 
+/// Patches keep the numbers that SimVascular knows them by.
+void carry_face_numbers(std::span<const PatchRenaming> renamings, MeshInfo& info) {
+  std::vector<std::int32_t> numbers;
+  for (const PatchRenaming& renaming : renamings)
+    numbers.push_back(face_number_of(info.patches[patch_called(info.patches, renaming.patch)], info));
+  for (const PatchRenaming& renaming : renamings) info.provenance.erase(face_note(renaming.patch));
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (numbers[i] > 0 && face_number_in(renamings[i].name) == 0)
+      info.provenance[face_note(renamings[i].name)] = std::to_string(numbers[i]);
+}
+
 }  // namespace
 
 std::optional<Vec3> place_from(std::string_view text) {
@@ -246,6 +258,7 @@ void rename_patches(MeshInfo& info, std::span<const PatchRenaming> renamings) {
   for (const Patch& patch : patches)
     if (!seen.insert(patch.name).second)
       throw Error(ErrorKind::kBadInput, fmt::format("two patches would be called {}", patch.name));
+  carry_face_numbers(renamings, info);
   info.patches = std::move(patches);
 }
 

@@ -20,6 +20,7 @@
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/all_cells.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/opening_sections.hpp"
@@ -38,6 +39,15 @@ double rounded(double value, int digits) {
 /// 12 digits, which headers mean, instead of the 17 that arithmetic leaves: 0.5 for 0.49999999999999994.
 double tidy(double value) {
   return rounded(value, 12);
+}
+
+json tidied(json all) {
+  for (json& value : all)
+    if (value.is_structured())
+      value = tidied(std::move(value));
+    else if (value.is_number_float())
+      value = tidy(value.get<double>());
+  return all;
 }
 
 /// Of what is measured.
@@ -125,32 +135,57 @@ json describe_ends(std::span<const VesselEnd> ends) {
   return list_of;
 }
 
-json describe_mesh(MixedMesh mesh) {
-  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
-  const Box3 box = bounding_box(mesh.points);
-  json all = {{"kind", "mesh"},
-              {"points", mesh.points.size()},
-              {"tetrahedra", mesh.tetrahedra.size()},
-              {"pyramids", mesh.pyramids.size()},
-              {"prisms", mesh.prisms.size()},
-              {"hexahedra", mesh.hexahedra.size()},
-              {"unit", mesh.info.unit},
-              {"frame", mesh.info.frame},
-              {"box", json::array({list(box.min()), list(box.max())})},
-              {"labels", json::array()},
-              {"patches", json::array()},
-              {"provenance", mesh.info.provenance}};
+json describe_labels(const MeshInfo& info, const AllCells& all_cells) {
   std::map<Label, std::size_t> cells;
-  const MeshView view = mesh.view();
-  const AllCells all_cells(view);
   for (std::size_t c = 0; c < all_cells.size(); ++c) ++cells[all_cells.label(c)];
-  for (const auto& [label, count] : cells) all["labels"].push_back({{"label", label}, {"cells", count}});
+  json list_of = json::array();
+  for (const auto& [label, count] : cells) {
+    json& one = list_of.emplace_back(json{{"label", label}});
+    if (const auto name = info.label_names.find(label); name != info.label_names.end())
+      one["name"] = name->second;
+    one["cells"] = count;
+  }
+  return list_of;
+}
+
+/// @param in_use  Only those that have faces.
+json describe_patches(const MixedMesh& mesh, bool in_use) {
   std::vector<std::size_t> faces(mesh.info.patches.size(), 0);
   for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches}) {
     for (const std::int32_t p : *patches) ++faces[static_cast<std::size_t>(p)];
   }
-  for (std::size_t p = 0; p < faces.size(); ++p)
-    all["patches"].push_back({{"name", mesh.info.patches[p].name}, {"faces", faces[p]}});
+  json list_of = json::array();
+  for (std::size_t p = 0; p < faces.size(); ++p) {
+    const Patch& patch = mesh.info.patches[p];
+    if (faces[p] > 0 || !in_use)
+      list_of.push_back(
+          {{"name", patch.name}, {"kind", kind_word(patch.kind, patch.flow)}, {"faces", faces[p]}});
+  }
+  return list_of;
+}
+
+json describe_mesh(MixedMesh mesh) {
+  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
+  const Box3 box = bounding_box(mesh.points);
+  const MeshView view = mesh.view();
+  const AllCells all_cells(view);
+  const bool is_surface = all_cells.size() == 0 && mesh.triangles.size() + mesh.quadrilaterals.size() > 0;
+  json all = {{"kind", is_surface ? "surface" : "mesh"}, {"points", mesh.points.size()}};
+  if (is_surface) {
+    all["triangles"] = mesh.triangles.size();
+    if (!mesh.quadrilaterals.empty()) all["quadrilaterals"] = mesh.quadrilaterals.size();
+  } else {
+    all.update({{"tetrahedra", mesh.tetrahedra.size()},
+                {"pyramids", mesh.pyramids.size()},
+                {"prisms", mesh.prisms.size()},
+                {"hexahedra", mesh.hexahedra.size()}});
+  }
+  all.update({{"unit", mesh.info.unit},
+              {"frame", mesh.info.frame},
+              {"box", json::array({list(box.min()), list(box.max())})},
+              {"labels", describe_labels(mesh.info, all_cells)},
+              {"patches", describe_patches(mesh, is_surface)},
+              {"provenance", mesh.info.provenance}});
   return all;
 }
 
@@ -167,7 +202,7 @@ void add_openings_of_surface(const DescriptionRequest& request, json& all, Conte
     const PatchedSurface patched(surface_view(surface, given.resolution_mm));
     name_closed(given.closed, patched.flat_ends());
     warn_of_filled_ends(given.closed, context);
-    if (!given.closed.empty()) all["would_close"] = closed_json(given.closed);
+    if (!given.closed.empty()) all["would_close"] = tidied(closed_json(given.closed));
     const std::vector<Opening> openings = openings_of(patched.flat_ends(), patched.resolution_mm());
     all["openings"] = describe_openings(openings);
     warn_of_unit(given, openings, unit, path, context);
@@ -184,6 +219,7 @@ json describe_mesh_file(const DescriptionRequest& request, Context& context) {
   const MixedMesh mesh =
       context.phase("read", [&] { return read_mesh_in(request.path, request.selection.unit); });
   json all = describe_mesh(mesh);
+  if (mesh.view().cell_count() > 0) warn_of_walled_ends(request.path, mesh, context);
   if (mesh.view().cell_count() == 0 && mesh.triangles.size() + mesh.quadrilaterals.size() > 0)
     context.phase("openings", [&] { add_openings_of_surface(request, all, context); });
   return all;

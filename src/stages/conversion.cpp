@@ -9,6 +9,7 @@
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
 
 namespace lumesh {
 namespace {
@@ -52,6 +53,7 @@ MixedMesh convert_mesh(const ConversionRequest& request, Context& context) {
   write_mesh(request.output, mesh.view(), context);
   warn_of_names(request.output.mesh, mesh.view(), context);
   if (mesh.view().cell_count() > 0) {
+    warn_of_walled_ends(request.from, mesh, context);
     warn_of_faults(request.from, mesh.view(), context);
     warn_of_sealed_pieces(mesh.view(), context);
   }
@@ -78,6 +80,7 @@ RenamedMesh rename_mesh(const RenamingRequest& request, Context& context) {
   });
   write_results(context, [&] { write_mesh(request.to, made.mesh.view()); });
   warn_of_names(request.to, made.mesh.view(), context);
+  if (made.mesh.view().cell_count() > 0) warn_of_walled_ends(request.to, made.mesh, context);
   warn_of_faults(request.from, made.mesh.view(), context);
   return made;
 }

@@ -12,6 +12,7 @@
 #include "lumesh/mesh/tetrahedral_split.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/metric_input.hpp"
+#include "lumesh/stages/vessel_ends.hpp"
 
 namespace lumesh {
 namespace {
@@ -84,6 +85,7 @@ LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const
 LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const LayerRequest& request,
                            Context& context) {
   const LayerOptions options = naming(name, [&] { return request.resolved(mesh); });
+  if (options.patches.empty()) warn_of_walled_ends(name, mesh, context);
   return grow_layers_on(mesh, name, options, context);
 }
 

@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/write_results.hpp"
+#include "lumesh/io/patch_names.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/mesh/patch_words.hpp"
 #include "lumesh/quality/faults.hpp"
@@ -27,7 +28,27 @@ void describe_surface_output(OptionList& list, std::string& path) {
   list.path("surface", path, "Also write the boundary alone").of_files(FileUse::kWriteSurface);
 }
 
+namespace {
+
+/// A format without names gives patches numbers, which is the same for a lone wall.
+void warn_of_lost_names(const std::string& path, std::span<const Patch> patches, const Context& context) {
+  if (keeps_patch_names(path) || patches.size() < 2) return;
+  std::vector<std::string> lost;
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    if (patches[p].name != fmt::format("patch_{}", p + 1)) lost.push_back(patches[p].name);
+  if (lost.empty()) return;
+  constexpr std::size_t kMaxTold = 3;
+  const bool is_long = lost.size() > kMaxTold + 1;
+  const std::span<const std::string> told = std::span(lost).first(is_long ? kMaxTold : lost.size());
+  context.warn(fmt::format(
+      "{}: this format has no names and kinds of patches: {}{} {} lost in it", path, fmt::join(told, ", "),
+      is_long ? fmt::format(" and {} more", lost.size() - kMaxTold) : "", lost.size() == 1 ? "is" : "are"));
+}
+
+}  // namespace
+
 void warn_of_names(const std::string& path, const MeshView& mesh, const Context& context) {
+  warn_of_lost_names(path, mesh.info->patches, context);
   if (!is_for(path, FileUse::kWordNames)) return;
   PatchWords words;
   std::vector<std::pair<std::string, std::string>> changed;

@@ -7,6 +7,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/sha256.hpp"
+#include "lumesh/mesh/face_numbers.hpp"
 
 namespace lumesh {
 namespace {
@@ -40,6 +41,8 @@ std::map<std::string, std::string> provenance_of(const Making& making, const std
       {"input", known ? input->second : input_path},
       {"input_sha256", known ? hash->second : file_sha256(input_path)}};
   put_cuts(cuts_in(known ? before : result), result);
+  for (const auto& [key, note] : before)
+    if (key.starts_with(kFaceNote)) result.emplace(key, note);
   return result;
 }
 

@@ -1,15 +1,20 @@
 #include "lumesh/stages/vessel_ends.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
 
 #include "lumesh/core/counted.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/domain/patched_surface.hpp"
+#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_cuts.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "vessel_axes.hpp"
 
 namespace lumesh {
@@ -199,7 +204,7 @@ std::string closed_surface_warning(std::span<const Patch> patches, std::span<con
         "of their own, or all triangles one patch, or cut the vessels off with {}",
         names.size(), option_name("cut_at"));
   return "the surface has no flat end, so the mesh has no openings; cut the vessels off flat before, with "
-         "edges around the ends that are sharper than `feature_angle`, or mesh their image with `cut_at`";
+         "edges around the ends that are sharper than `feature_angle`, or cut them with `cut_at`";
 }
 
 std::string closed_surface_warning(const Domain& domain) {
@@ -209,6 +214,50 @@ std::string closed_surface_warning(const Domain& domain) {
     if (const auto patch = domain.patch_between(kInside, outside); patch && outside != kInside)
       patches.push_back(*patch);
   return closed_surface_warning(patches, domain.flat_ends());
+}
+
+std::string walled_ends_warning(const MixedMesh& mesh) {
+  const std::vector<Patch>& patches = mesh.info.patches;
+  if (std::ranges::any_of(patches, [](const Patch& patch) { return is_plane(patch.kind); })) return "";
+  if (mesh.triangles.empty() && mesh.quadrilaterals.empty() && mesh.view().cell_count() > 0) {
+    MixedMesh with_faces = mesh;
+    extract_boundary(with_faces);
+    return with_faces.triangles.empty() ? "" : walled_ends_warning(with_faces);
+  }
+  MixedMesh outside;
+  outside.points = mesh.points;
+  outside.info.patches = patches;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto p = static_cast<std::size_t>(mesh.triangle_patches[t]);
+    if (p >= patches.size() || patches[p].kind != PatchKind::kWall) continue;
+    outside.triangles.push_back(mesh.triangles[t]);
+    outside.triangle_patches.push_back(mesh.triangle_patches[t]);
+  }
+  if (outside.triangles.empty()) return "";
+  try {
+    const PatchedSurface surface(surface_view(outside));
+    std::set<std::string> names;
+    for (const FlatEnd& end : surface.flat_ends()) names.insert(end.name);
+    if (names.empty()) return "";
+    const bool has_patches =
+        std::ranges::all_of(names, [&](const auto& name) { return has_patch_called(patches, name); });
+    if (!has_patches)
+      return fmt::format("no patch is an opening: {} count as wall; take a file in which they are patches",
+                         counted(names.size(), "flat end"));
+    return fmt::format(
+        "no patch is an opening: the flat {} {} {} as wall; say what they are, as in lumesh rename --name "
+        "{}=NAME:inlet",
+        names.size() == 1 ? "patch" : "patches", fmt::join(names, ", "),
+        names.size() == 1 ? "counts" : "count", *names.begin());
+  } catch (const Error& error) {  // It is not closed, say: nobody knows then.
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return "";
+  }
+}
+
+void warn_of_walled_ends(const std::string& path, const MixedMesh& mesh, Context& context) {
+  const std::string line = context.phase("ends", [&] { return walled_ends_warning(mesh); });
+  if (!line.empty()) context.warn(path + ": " + line);
 }
 
 }  // namespace lumesh

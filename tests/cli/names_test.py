@@ -261,6 +261,48 @@ class NamesTest(ProgramTest):
                         self.assertAlmostEqual(got / area, 1, delta=0.05, msg=f"area of face {key}")
                         self.assertLess(math.dist(place, middle), 0.1 * math.sqrt(area), f"place of face {key}")
 
+    def test_face_ids_stay_with_faces_that_are_renamed_or_exchange_their_names(self):
+        made, named, swapped = (self.folder / f"{name}.vtu" for name in ("made", "named", "swapped"))
+        self.run_well("delaunay", self.inputs / "model.vtp", "-o", made, "--edge-length", 1, "-q")
+        self.run_well("rename", made, "-o", named, "--name", "face_12=in:inlet", "--name", "face_7=out:outlet")
+        self.run_well("rename", named, "-o", swapped, "--name", "in=out:outlet", "--name", "out=in:inlet")
+        self.run_well("improve", named, "-o", named)
+        places = {}
+        for mesh in (made, named, swapped):
+            out = self.folder / f"{mesh.stem}-mesh-complete"
+            self.run_well("convert", mesh, out)
+            faces = patch_files.read_face_ids(out / "mesh-complete.exterior.vtp")
+            places[mesh.stem] = {key: [round(x, 1) for x in area_and_middle(of_face)[1]] for key, of_face in faces.items()}
+        self.assertEqual(set(places["made"]), set(FACE_IDS))
+        self.assertEqual(places["named"], places["made"])
+        self.assertEqual(places["swapped"], places["made"])
+
+    def test_names_that_a_format_has_no_place_for_are_told(self):
+        volume = self.inputs / "volume.vtu"
+        for command in (("rename", volume, "-o", "out.meshb", "--name", "aorta=main"), ("convert", volume, "out.meshb"),
+                        ("improve", volume, "-o", "out.meshb"), ("convert", volume, "out.stl")):
+            told = self.run_lumesh(*command, cwd=self.folder)
+            self.assertEqual(told.returncode, 0, told.stderr)
+            self.assertRegex(told.stderr, r"warning: out\.\w+: this format has no names and kinds of patches: (aorta|main), inlet_a, outlet_b are lost in it")
+        for quiet in (("convert", volume, "out.mesh"), ("convert", self.inputs / "volume.meshb", "again.meshb")):
+            self.assertNotIn("lost in it", self.run_lumesh(*quiet, cwd=self.folder).stderr)
+
+    def test_flat_patches_that_count_as_wall_are_told_until_they_are_named(self):
+        bare, named = self.folder / "bare.msh", self.folder / "named.vtu"
+        text = (self.inputs / "volume.msh").read_text(encoding="utf-8")
+        begin, end = text.index("$Comments"), text.index("$EndComments")  # Where lumesh says the kinds.
+        text = text[:begin] + text[end + len("$EndComments\n"):]
+        bare.write_text(text.replace('"inlet_a"', '"ica"').replace('"outlet_b"', '"m1"'), encoding="utf-8")
+        words = "no patch is an opening: the flat patches ica, m1 count as wall; say what they are, as in lumesh rename --name ica=NAME:inlet"
+        for command in (("convert", bare, self.folder / "case.foam"), ("layers", bare, *LAYERS, "-o", self.folder / "layered.vtu"),
+                        ("info", bare)):
+            self.assertEqual(self.run_well(*command).stderr.count(words), 1, command)
+        self.run_well("rename", bare, "-o", named, "--name", "ica=in:inlet", "--name", "m1=out:outlet")
+        kinds = {patch["name"]: patch["kind"] for patch in json.loads(self.run_well("info", named, "--json").stdout)["patches"]}
+        self.assertEqual(kinds, {"aorta": "wall", "in": "inlet", "out": "outlet"})
+        for command in (("convert", named, self.folder / "case.foam"), ("info", named), ("info", self.inputs / "volume.msh")):
+            self.assertNotIn("count as wall", self.run_well(*command).stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -22,7 +22,8 @@ void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context
 /// The option for the path of a boundary alone.
 void describe_surface_output(OptionList& list, std::string& path);
 
-/// Warns of names of patches that the format of the file writes otherwise, as OpenFOAM and SimVascular need.
+/// Warns of names of patches that the format of the file writes otherwise, as OpenFOAM and SimVascular need,
+/// or has no place for.
 void warn_of_names(const std::string& path, const MeshView& mesh, const Context& context);
 
 /// A line if pieces of the mesh, of all labels together, have no opening while others have one, or if one of

@@ -10,6 +10,7 @@
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/image/label_image.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/polylines.hpp"
 
 namespace lumesh {
@@ -65,5 +66,11 @@ void try_cuts(const LabelImage& image, const Polylines& lines, std::span<const C
                                                  std::span<const FlatEnd> ends);
 /// The same of the surface's domain.
 [[nodiscard]] std::string closed_surface_warning(const Domain& domain);
+
+/// A line for a mesh none of whose patches is an opening or a plane of symmetry, though it has flat ends, as
+/// files that keep names alone leave it; empty otherwise. Cost: linear in the boundary.
+[[nodiscard]] std::string walled_ends_warning(const MixedMesh& mesh);
+/// Warns of that. @param path  Of the mesh.
+void warn_of_walled_ends(const std::string& path, const MixedMesh& mesh, Context& context);
 
 }  // namespace lumesh
