@@ -29,7 +29,8 @@ void check(CenterlineCommand& command) {
   const CLI::App& given = *command.run.command;
   if (is_mesh_file(request.path)) {
     require_not_given(given, options_of(request.selection),
-                      fmt::format("is for images, and {} is a mesh", request.path));
+                      fmt::format("is for images, and {} is a mesh", request.path),
+                      {is_for(request.path, FileUse::kReadVolume) ? "labels" : ""});
   } else {
     require_not_given(given, options_of(request.surface), only_for_surfaces(request.path));
     if (given.get_option("--voxel")->count() > 0)

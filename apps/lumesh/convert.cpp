@@ -29,7 +29,7 @@ void run(const ConvertCommand& command) {
   CommandRun session(command.run);
   const MixedMesh mesh = convert_mesh(request, session.context);
   write_json(command.json_path, report::conversion_json(mesh, session.notes(files_of(output))));
-  say(command.run, "{}", report::conversion_text(output.mesh, mesh));
+  say(command.run, "{}", report::conversion_text(output, mesh));
 }
 
 }  // namespace

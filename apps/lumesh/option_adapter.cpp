@@ -264,8 +264,10 @@ void add_options(CLI::App& command, const OptionList& list, const std::string& g
   }
 }
 
-void require_not_given(const CLI::App& command, const OptionList& list, const std::string& reason) {
+void require_not_given(const CLI::App& command, const OptionList& list, const std::string& reason,
+                       std::initializer_list<std::string_view> without) {
   for (const Option& option : list.all()) {
+    if (std::ranges::find(without, option.name) != without.end()) continue;
     const CLI::Option* const flag = command.get_option_no_throw(flag_of(option.name));
     if (flag != nullptr && flag->count() > 0)
       throw Error(ErrorKind::kUsage, fmt::format("{} {}; leave it out", option_name(option.name), reason));

@@ -27,7 +27,9 @@ void add_options_of(CLI::App& command, Described& described) {
 }
 
 /// @throws Error{kUsage} "--NAME REASON; leave it out" for an option of the list that the command line gives.
-void require_not_given(const CLI::App& command, const OptionList& list, const std::string& reason);
+/// @param without  Names that may be given.
+void require_not_given(const CLI::App& command, const OptionList& list, const std::string& reason,
+                       std::initializer_list<std::string_view> without = {});
 
 /// A message of the library with options as this command, or another one of the program, has them.
 [[nodiscard]] std::string with_flags(std::string_view message, const CLI::App& command);

@@ -218,6 +218,7 @@ std::string centerline_json(const CenterlineMade& made, const CommandNotes& note
   Json json = lines_json(made.lines);
   const auto [least, most] = std::ranges::minmax(made.lines.scalars.at("radius"));
   json["radius_mm"] = {{"min", least}, {"max", most}};
+  if (!made.labels.empty()) json["labels"] = made.labels;
   if (!made.closed.empty()) json["closed"] = closed_json(made.closed);
   return with_notes(std::move(json), notes);
 }

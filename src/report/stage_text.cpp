@@ -1,12 +1,15 @@
 #include "lumesh/report/stage_text.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <optional>
 #include <span>
 
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/io/file_formats.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/stages/surface_input.hpp"
 
 namespace lumesh::report {
@@ -160,6 +163,10 @@ std::string centerline_text(const std::string& path, const CenterlineMade& made,
   const auto [least, most] = std::ranges::minmax(lines.scalars.at("radius"));
   return fmt::format("{}: {} lines, {} points, length {:.5g} mm, radius {:.3g} to {:.3g} mm, {:.2f} s\n",
                      path, lines.lines.size(), lines.points.size(), length_mm(lines), least, most, seconds) +
+         (made.labels.size() < 2
+              ? ""
+              : fmt::format("labels {} count together as one vessel; --labels takes some\n",
+                            fmt::join(made.labels, ", "))) +
          lines_of_closed(made.closed);
 }
 
@@ -178,10 +185,19 @@ std::string phantom_text(const PhantomRequest& request, const PhantomMade& made)
          text_of_lines(request.centerline, made.centerline) + text_of_lines(request.velocity, made.velocity);
 }
 
-std::string conversion_text(const std::string& path, const MixedMesh& mesh) {
-  return fmt::format("{}: {} cells, {} points, {} boundary faces, {} patches\n", path,
-                     mesh.view().cell_count(), mesh.points.size(),
-                     mesh.triangles.size() + mesh.quadrilaterals.size(), mesh.info.patches.size());
+std::string conversion_text(const MeshOutput& output, const MixedMesh& mesh) {
+  std::size_t faces = 0, between = 0;
+  for_each_patch_face(mesh, [&](std::span<const std::uint32_t> /*face*/, std::int32_t patch) {
+    ++(mesh.info.patches.at(static_cast<std::size_t>(patch)).kind == PatchKind::kInterface ? between : faces);
+  });
+  std::string boundary = fmt::format("{} boundary faces", faces);
+  if (between > 0) boundary += fmt::format(", {} between labels", between);
+  boundary += fmt::format(", {} patches\n", mesh.info.patches.size());
+  std::string text = output.mesh + ": ";
+  if (!is_for(output.mesh, FileUse::kWriteSurface))
+    text += fmt::format("{} cells, {} points, ", mesh.view().cell_count(), mesh.points.size());
+  text += boundary;
+  return output.surface.empty() ? text : text + output.surface + ": " + boundary;
 }
 
 std::string renaming_text(const std::string& path, const RenamedMesh& made) {

@@ -19,6 +19,7 @@
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/edge_loops.hpp"
+#include "lumesh/mesh/parts.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/surface/rims.hpp"
@@ -101,11 +102,23 @@ void warn_of_surface(const MixedMesh& surface, const CenterlineRequest& request,
         request.path, counted(crossings.size(), "pair", "pairs"), place_text(crossings.front().place)));
 }
 
+/// Leaves the cells of the labels that are wanted.
+void take_labels(const CenterlineRequest& request, MixedMesh& mesh) {
+  if (request.selection.labels.empty()) return;
+  if (mesh.view().cell_count() == 0)
+    throw Error(ErrorKind::kUsage, fmt::format("{} is for images and volume meshes, and {} is a surface",
+                                               option_name("labels"), request.path));
+  std::vector<std::string> wanted;
+  for (const Label label : request.selection.labels) wanted.push_back(std::to_string(label));
+  naming(request.path, [&] { mesh = part_of(mesh, labels_called(mesh, wanted)).mesh; });
+}
+
 CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& context) {
   CenterlineMade made;
   MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(request.path, request.selection.unit); });
   bring_to_lps_mm(mesh);
   const bool is_surface = mesh.view().cell_count() == 0;
+  take_labels(request, mesh);
   if (is_surface)
     made.closed = context.phase("close", [&] {
       std::vector<surfaces::ClosedRim> closed = close_open_ends(mesh, request.surface, context);
@@ -123,6 +136,7 @@ CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& con
     context.phase("ends", [&] { open_flat_ends(mesh); });
   }
   made.provenance = mesh.info.provenance;
+  made.labels = labels_of(mesh);
   made.lines =
       naming(request.path, [&] { return extract_centerline(mesh.view(), request.options, context); });
   return made;
@@ -134,7 +148,13 @@ CenterlineMade find_centerline(const CenterlineRequest& request, Context& contex
   if (is_mesh_file(request.path)) return centerline_of_mesh(request, context);
   const LabelImage image =
       context.phase("read", [&] { return read_selected_image(request.path, request.selection, context); });
-  return {naming(request.path, [&] { return extract_centerline(image, request.options, context); }), {}, {}};
+  CenterlineMade made;
+  made.lines = naming(request.path, [&] { return extract_centerline(image, request.options, context); });
+  std::vector<bool> has_voxel(image.values().size());
+  for (const LabelImage::Index voxel : image.voxels()) has_voxel[voxel] = true;
+  for (std::size_t i = 1; i < has_voxel.size(); ++i)
+    if (has_voxel[i]) made.labels.insert(image.values()[i]);
+  return made;
 }
 
 }  // namespace lumesh

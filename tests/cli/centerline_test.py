@@ -105,6 +105,21 @@ class CenterlineTest(ProgramTest):
         self.run_well("centerline", image, "-o", self.out, "--labels", "3")
         self.assert_refused(self.run_lumesh("centerline", image, "-o", self.out, "--labels", "2"), BAD_INPUT, "2")
 
+    def test_labels_that_count_together_are_told_and_chosen_of_meshes_too(self):
+        around = [2 if 16.5 <= (i - 9) ** 2 + (j - 9) ** 2 < 50 else 0 for _ in range(SIZES[2]) for j in range(SIZES[1]) for i in range(SIZES[0])]
+        image = nrrd.write(self.folder / "walled.nrrd", SIZES, [a or b for a, b in zip(tube(), around)])
+        mesh, numbers = self.folder / "walled.vtu", self.folder / "numbers.json"
+        self.run_well("delaunay", image, "-o", mesh, "--edge-length", 2, "-q")
+        for given in (image, mesh):
+            told = self.run_well("centerline", given, "-o", self.out)
+            self.assertIn("labels 1, 2 count together as one vessel", told.stdout)
+            self.assertGreater(float(re.search(r"radius \S+ to (\S+) mm", told.stdout)[1]), 6)
+            told = self.run_well("centerline", given, "-o", self.out, "--labels", 1, "--json", numbers)
+            self.assertNotIn("count together", told.stdout)
+            self.assertAlmostEqual(float(re.search(r"radius \S+ to (\S+) mm", told.stdout)[1]), 4, delta=0.4)
+            self.assertEqual(json.loads(numbers.read_text())["labels"], [1])
+        self.assert_refused(self.run_lumesh("centerline", mesh, "-o", self.out, "--labels", 7), BAD_INPUT, "walled.vtu", "7")
+
     def test_a_mesh_has_the_lines_of_its_image(self):
         mesh = self.folder / "tube.vtu"
         self.run_well("lattice", self.image, "-o", mesh, "-q")

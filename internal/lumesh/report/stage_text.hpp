@@ -30,7 +30,7 @@ namespace lumesh::report {
 [[nodiscard]] std::string centerline_text(const std::string& path, const CenterlineMade& made,
                                           double seconds);
 [[nodiscard]] std::string phantom_text(const PhantomRequest& request, const PhantomMade& made);
-[[nodiscard]] std::string conversion_text(const std::string& path, const MixedMesh& mesh);
+[[nodiscard]] std::string conversion_text(const MeshOutput& output, const MixedMesh& mesh);
 [[nodiscard]] std::string renaming_text(const std::string& path, const RenamedMesh& made);
 [[nodiscard]] std::string repair_text(const std::string& path, const RepairOutcome& outcome);
 /// @param inputs  Names of the meshes that were merged.

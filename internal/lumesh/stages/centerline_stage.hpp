@@ -2,6 +2,7 @@
 /// @file Axes of vessels of an image, a mesh or a surface from a file, for every front end.
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace lumesh {
 
 struct CenterlineRequest {
   std::string path;          ///< Image, mesh or surface.
-  ImageSelection selection;  ///< Voxels of an image that count; its unit is that of meshes, too.
+  ImageSelection selection;  ///< Voxels of an image that count; its labels and unit are those of meshes, too.
   CenterlineOptions options;
   SurfaceInputOptions surface;  ///< How open ends of a surface are closed.
 };
@@ -23,6 +24,7 @@ struct CenterlineMade {
   Polylines lines;
   std::map<std::string, std::string> provenance;  ///< Notes of a mesh.
   std::vector<surfaces::ClosedRim> closed;        ///< Rims closed of a surface.
+  std::set<Label> labels;  ///< Labels that count together as the vessel; none of a surface.
 };
 
 /// @throws Error{kBadInput} that names the file.

@@ -199,7 +199,7 @@ TEST(VoxelsKept, SameResultForEveryThreadCount) {
     const parallel::ThreadLimit limit(threads);
     const KeptVoxels all = count(example.mesh, example.image).all;
     const MissedVoxel worst = all.worst.value_or(MissedVoxel());
-    return std::tuple(all.counted, all.kept, worst.distance_mm, worst.voxel.x(), worst.voxel.y());
+    return std::tuple(all.counted, all.kept, worst.distance_mm, worst.voxel->x(), worst.voxel->y());
   };
   EXPECT_EQ(fingerprint(1), fingerprint(4));
 }
