@@ -6,6 +6,13 @@ double unit_in_mm(std::string_view unit) {
   return unit == "mm" ? 1 : unit == "cm" ? 10 : unit == "m" ? 1000 : unit == "um" ? 0.001 : 0;
 }
 
+std::vector<std::pair<std::string, std::string>> length_units(bool has_file) {
+  std::vector<std::pair<std::string, std::string>> words = {
+      {"mm", "mm"}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}};
+  if (has_file) words.insert(words.begin(), {"file", ""});
+  return words;
+}
+
 MeshInUnit::MeshInUnit(const MeshView& mesh, const std::string& unit) : view_(mesh) {
   const double from_mm = unit_in_mm(mesh.info->unit), to_mm = unit_in_mm(unit);
   if (from_mm == to_mm || from_mm == 0 || to_mm == 0) return;

@@ -7,6 +7,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/domain.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/metric/analytic.hpp"
 #include "lumesh/metric/curvature_metric.hpp"
 #include "lumesh/metric/gradation.hpp"
@@ -89,11 +90,14 @@ void VelocitySource::describe(OptionList& list) {
   list.text("velocity_array", array,
             "Point array that holds it; none: velocity, or the only vectors there are")
       .needs("velocity");
+  list.choice("velocity_unit", unit, length_units(true),
+              "Unit of lengths in its file, such as m of what foamToVTK writes; file: as it says, else mm")
+      .needs("velocity");
   options.describe(list);
 }
 
 std::vector<SymTensor> VelocitySource::at(std::span<const Vec3> places, SourceData& data) const {
-  const Flow flow = data.flow(velocity, array);
+  const Flow flow = data.flow(velocity, array, unit);
   return naming(velocity, [&] {
     return metric_from_velocity(places, {flow.points, flow.velocities}, options);
   });

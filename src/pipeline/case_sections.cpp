@@ -38,7 +38,8 @@ void OutputKeys::describe(OptionList& list) {
   describe_out_unit(list, unit);
   describe_report(list, report);
   list.text("json", json, "All numbers (.json); none: not written");
-  list.flag("stages", stages, "Write the centerline and the first mesh with its metric, too");
+  list.flag("stages", stages,
+            "Write the centerline, and where a metric adapts the mesh, the first one with its metric");
 }
 
 void RunKeys::describe(OptionList& list) {

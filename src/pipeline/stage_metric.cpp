@@ -20,10 +20,11 @@ class CaseSources final : public metric::SourceData {
     if (is_new) read->second = read_points_in(MeshInfo(), name);
     return read->second;
   }
-  metric::Flow flow(const std::string& name, const std::string& array) override {
+  metric::Flow flow(const std::string& name, const std::string& array, const std::string& unit) override {
     const auto [read, is_new] = state_.flows_read.try_emplace({name, array});
     if (is_new)
-      read->second = name == "phantom" ? flow_of(*state_.phantom) : read_flow_in(MeshInfo(), name, array);
+      read->second =
+          name == "phantom" ? flow_of(*state_.phantom) : read_flow_in(MeshInfo(), name, array, unit);
     return read->second;
   }
   std::vector<double> solution(const std::string& name) override {

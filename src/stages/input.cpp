@@ -70,9 +70,10 @@ std::vector<Vec3> read_points_in(const MeshInfo& frame, const std::filesystem::p
   return std::move(cloud.points);
 }
 
-metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
-                          const std::string& array) {
+metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path, const std::string& array,
+                          const std::string& unit) {
   PointData data = read_point_data(path);
+  if (!unit.empty()) data.info.unit = unit;
   metric::Flow flow;
   flow.velocities = naming(path.string(), [&] { return vectors_named(data, array, "velocity"); });
   flow.points = std::move(data.points);

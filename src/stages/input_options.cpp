@@ -44,14 +44,6 @@ std::vector<std::vector<double>> threshold_rows(const std::optional<double>& low
   return {high ? std::vector<double>{*low, *high} : std::vector<double>{*low}};
 }
 
-/// Words of units. @param has_file  And of that which a file says.
-std::vector<std::pair<std::string, std::string>> units(bool has_file) {
-  std::vector<std::pair<std::string, std::string>> words = {
-      {"mm", "mm"}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}};
-  if (has_file) words.insert(words.begin(), {"file", ""});
-  return words;
-}
-
 }  // namespace
 
 void ImageSelection::require_image(const std::string& path) const {
@@ -153,12 +145,12 @@ void ImageSelection::describe(OptionList& list, bool has_probabilities) {
 }
 
 void describe_unit(OptionList& list, std::string& unit) {
-  list.choice("unit", unit, units(true),
+  list.choice("unit", unit, length_units(true),
               "Unit of lengths in the input, whatever it says itself; file: as it says, else mm");
 }
 
 void describe_out_unit(OptionList& list, std::string& unit, bool may_stay) {
-  list.choice("out_unit", unit, units(may_stay),
+  list.choice("out_unit", unit, length_units(may_stay),
               fmt::format("Unit of lengths in files that are written; {}OpenFOAM gets metres in any case",
                           may_stay ? "file: as they are; " : ""));
 }

@@ -43,13 +43,13 @@ class MeshSources final : public metric::SourceData {
                                   : read_points_in(mesh_.changing().info(), file);
     });
   }
-  metric::Flow flow(const std::string& file, const std::string& array) override {
+  metric::Flow flow(const std::string& file, const std::string& array, const std::string& unit) override {
     if (file == "phantom")
       throw Error(ErrorKind::kUsage,
                   "only a case whose input is a phantom knows the phantom's flow; make a file of it with "
                   "`lumesh phantom --velocity FILE` and give that");
     return context_.phase("read velocity",
-                          [&] { return read_flow_in(mesh_.changing().info(), file, array); });
+                          [&] { return read_flow_in(mesh_.changing().info(), file, array, unit); });
   }
   std::vector<double> solution(const std::string& file) override {
     return context_.phase("read solution", [&] {

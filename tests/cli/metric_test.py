@@ -163,6 +163,17 @@ class VelocityTest(MetricCommandTest):
         xx, _, yy, _, _, _ = self.tensors("--velocity", flow, "--velocity-array", "second")[0]
         self.assertGreater(xx, 50 * yy)
 
+    def test_the_unit_of_samples_is_that_which_is_said(self):
+        shear = self.write_flow(lambda x, y, z: (2 + z, 0, 0))
+        expected = self.tensors("--velocity", shear)
+        self.places = [(x / 1000, y / 1000, z / 1000) for x, y, z in self.places]
+        metres = self.write_flow(lambda x, y, z: (2 + 1000 * z, 0, 0), name="metres.csv")
+        self.refused(BAD_INPUT, "--velocity", metres, None, "metres.csv", "another unit")
+        for given, wanted in zip(self.tensors("--velocity", metres, "--velocity-unit", "m"), expected):
+            for a, b in zip(given, wanted):
+                self.assertAlmostEqual(a, b, delta=1e-6 * max(map(abs, wanted)))
+        self.refused(USAGE, "--velocity-unit", "m", None, "--velocity")
+
     def test_bad_flows_are_refused(self):
         broken = self.write_flow(lambda x, y, z: ("nan" if (x, y, z) == (0, 0, 0) else 1, 0, 0), name="broken.csv")
         self.refused(BAD_INPUT, "--velocity", broken, None, "broken.csv", "velocity of point 0", "not finite")

@@ -42,8 +42,10 @@ class SourceData {
   /// One tensor per vertex, as the mesh carries them or, with a name, as a file holds them.
   [[nodiscard]] virtual std::vector<SymTensor> tensors(const std::string& name) = 0;
   [[nodiscard]] virtual std::vector<Vec3> points(const std::string& name) = 0;
-  /// @param array  Empty: "velocity", or the only one.
-  [[nodiscard]] virtual Flow flow(const std::string& name, const std::string& array) = 0;
+  /// @param array  Empty: "velocity", or the only one. @param unit  Of lengths; empty: as the file says, or
+  /// mm.
+  [[nodiscard]] virtual Flow flow(const std::string& name, const std::string& array,
+                                  const std::string& unit) = 0;
   /// One value per vertex: a point array of the mesh, or a file.
   [[nodiscard]] virtual std::vector<double> solution(const std::string& name) = 0;
   /// The domain whose boundary's curvature counts; null: the mesh's own.
@@ -83,7 +85,7 @@ struct PointSource {
 
 /// metric_from_velocity().
 struct VelocitySource {
-  std::string velocity, array;
+  std::string velocity, array, unit;
   VelocityMetricOptions options;
 
   void describe(OptionList& list);

@@ -148,8 +148,9 @@ void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 
 /// Points of a file with a velocity each, in that frame and unit.
 /// @param array  Name of the array; empty: "velocity", or the only one.
+/// @param unit  Of its coordinates; empty: as the file says, or mm.
 [[nodiscard]] metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
-                                        const std::string& array);
+                                        const std::string& array, const std::string& unit);
 
 /// A mesh in the unit that is said of it; empty: as the file says, or mm.
 [[nodiscard]] MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& unit);

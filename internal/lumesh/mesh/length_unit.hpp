@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lumesh/mesh/mixed_mesh.hpp"
@@ -11,6 +12,9 @@ namespace lumesh {
 
 /// "mm", "cm", "m" or "um" in millimetres; 0 for any other word.
 [[nodiscard]] double unit_in_mm(std::string_view unit);
+
+/// These words, each for itself, as choices of an option. @param has_file  And "file" for an empty one.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> length_units(bool has_file);
 
 /// A mesh in another unit than its own, for writers. Wanted edge lengths in the metric stay.
 class MeshInUnit {
