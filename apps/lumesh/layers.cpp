@@ -40,7 +40,7 @@ void run(const LayersCommand& command) {
   own.bring_back(mesh);
   write_results(context, [&] { write_mesh(to, mesh.view()); });
   warn_of_sealed_pieces(mesh.view(), context);
-  say(command.run, "{}", report::layered_mesh_text(to, before, made));
+  say(command.run, "{}", report::layered_mesh_text(to, made));
   if (layers)
     write_json(
         command.json_path,

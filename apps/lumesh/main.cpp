@@ -28,6 +28,7 @@ namespace {
 using lumesh::cli::exit_code_of;
 
 int report_error(const char* message, int code) {
+  std::fflush(stdout);  // What was said before stands before it where both go to one place.
   lumesh::cli::print_error("lumesh: error: {}\n", message);
   return code;
 }

@@ -91,6 +91,8 @@ void Progress::State::write(bool is_terminal) {
   if (is_known && share > 0) text += fmt::format(", {:.0f} %", 100 * share);
   if (is_known && share > kWorthATime)
     text += fmt::format(", about {:.0f} s left", seconds_left(Seconds(now - start).count(), share));
+  else
+    text += fmt::format(", {:.0f} s so far", Seconds(now - start).count());
   // The cursor waits at the beginning: whatever is printed next takes the line's place.
   print_error("{}{}", text, is_terminal ? "\r" : "\n");
   std::fflush(stderr);

@@ -96,7 +96,7 @@ std::string wrong_of(const OpeningInMesh& o) {
 
 std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   constexpr double kDoubtfulPercent = 2, kThin = 2;  // From so many voxels in radius on.
-  constexpr double kOff = 1e-3, kOffEnd = 1e-6;      // Voxels; of the radius of a surface's end.
+  constexpr double kOff = 1e-2, kOffEnd = 1e-6;      // Voxels; of the radius of a surface's end.
   constexpr std::size_t kMinEdges = 8;
   std::vector<std::string> lines;
   const Opening& opening = o.opening;

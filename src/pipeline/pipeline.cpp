@@ -125,8 +125,11 @@ class CaseRun {
       report.pictures.push_back(report.stages.back().pictures.front());
     const auto writing = std::chrono::steady_clock::now();
     write_report(state_.c, folder, report);
+    const std::string &page = state_.c.output.report, left_out = "without measures and pictures of the rest";
     say("report", describing_s_ + seconds_since(writing),
-        state_.c.output.report.empty() ? "measures" : "measures, pictures, " + state_.c.output.report);
+        !state_.is_complete ? page + (page.empty() ? "" : ", ") + left_out
+        : page.empty()      ? "measures"
+                            : "measures, pictures, " + page);
     return std::move(result_);
   }
 

@@ -54,7 +54,9 @@ LayeredMesh layer_mesh(const MixedMesh& mesh, const std::string& name, const Lay
   } else {
     made.mesh = mesh;
   }
+  const std::size_t before = made.mesh.view().cell_count();
   extend_mesh(made.mesh, name, request.extension, request.layers.options.cells, context);
+  made.extension_cells = made.mesh.view().cell_count() - before;
   return made;
 }
 
@@ -87,10 +89,12 @@ std::string layers_text(const std::string& path, const LayersOfMesh& layers) {
              100 * layers.report.complete(), layers.core.tetrahedra.smallest_dihedral_deg.value);
 }
 
-std::string layered_mesh_text(const std::string& path, const MeshView& before, const LayeredMesh& made) {
-  if (made.layers) return layers_text(path, *made.layers);
-  const std::size_t cells = made.mesh.view().cell_count();
-  return fmt::format("{}: {} cells more, {} in all\n", path, cells - before.cell_count(), cells);
+std::string layered_mesh_text(const std::string& path, const LayeredMesh& made) {
+  std::string text = made.layers ? layers_text(path, *made.layers) : "";
+  if (made.extension_cells > 0)
+    text += fmt::format("{}: {} cells of extensions more, {} in all\n", path, made.extension_cells,
+                        made.mesh.view().cell_count());
+  return text;
 }
 
 }  // namespace lumesh::report

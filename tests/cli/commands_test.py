@@ -125,6 +125,21 @@ class OptionsTest(CommandTest):
                 self.assertEqual(result.stdout, "")
                 self.assertEqual(sorted(self.folder.iterdir()), before)
 
+    def test_convert_tells_of_each_file_what_is_in_it(self):
+        self.make_mesh()
+        faces = json.loads(self.run_well("info", self.mesh, "--json").stdout)["patches"][0]["faces"]
+        told = self.run_well("convert", self.mesh, self.folder / "ball.stl").stdout
+        self.assertEqual(told, f"{self.folder}/ball.stl: {faces} boundary faces, 1 patches\n")
+        told = self.run_well("convert", self.mesh, self.folder / "ball.msh", "--surface", self.folder / "ball.vtp").stdout
+        self.assertIn(f"ball.vtp: {faces} boundary faces, 1 patches\n", told)
+
+    def test_what_is_said_stands_before_the_error_in_one_stream(self):
+        sheet = self.folder / "sheet.off"
+        sheet.write_text("OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1 3\n3 0 1 2\n")
+        told = subprocess.run([LUMESH, "check", sheet], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        self.assertEqual(told.returncode, NOT_REACHED, told.stdout)
+        self.assertIn("unfit for meshing", told.stdout.splitlines()[-1])
+
     def test_convert_takes_two_names_or_o(self):
         self.make_mesh()
         help_text = self.run_well("convert", "--help").stdout
@@ -275,6 +290,25 @@ class InfoTest(CommandTest):
         text = self.run_well("info", self.image).stdout
         self.assertIn("[0.5,0.1,0.333333333333]", text)
         self.assertLess(text.index("size_voxels"), text.index("origin_mm"))
+
+    def test_a_mesh_is_told_with_kinds_and_names_and_a_surface_by_its_triangles(self):
+        self.make_mesh("--surface", self.folder / "ball.stl", "--name", "wall=dome")
+        self.run_well("layers", self.mesh, "--first-height", "0.5", "--count", "1", "--label", "skin=7", "-o", self.mesh)
+        told = json.loads(self.run_well("info", self.mesh, "--json").stdout)
+        self.assertEqual([label.get("name") for label in told["labels"]][1:], ["skin"])
+        self.assertEqual({patch["kind"] for patch in told["patches"]}, {"wall", "interface"})
+        self.assertIn("kind wall", self.run_well("info", self.mesh).stdout)
+        surface = json.loads(self.run_well("info", self.folder / "ball.stl", "--json").stdout)
+        self.assertEqual(surface["kind"], "surface")
+        self.assertGreater(surface["triangles"], 100)
+        self.assertNotIn("tetrahedra", surface)
+
+    def test_files_for_solvers_are_said_to_be_written_only(self):
+        self.make_mesh()
+        case = self.folder / "ball.foam"
+        self.run_well("convert", self.mesh, case)
+        for command in (("info", case), ("evaluate", case), ("lattice", case, "-o", self.mesh), ("centerline", case, "-o", self.folder / "a.vtp")):
+            self.assert_refused(self.run_lumesh(*command), BAD_INPUT, "ball.foam", "written for solvers and not read")
 
     def test_help_names_every_image_format(self):
         for command in ("info", "lattice"):

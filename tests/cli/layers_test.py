@@ -166,6 +166,15 @@ class LayersTest(MeshTest):
                 self.assertAlmostEqual(areas["layer_outer"] / (2 * math.pi * 3.364 * 15), 1, delta=0.05)
         self.assertIn(b'"metric"', (self.folder / "of_case/m.vtu").read_bytes())
 
+    def test_extensions_behind_layers_are_told_with_all_cells(self):
+        surface, mesh, out = self.folder / "cylinder.stl", self.folder / "cylinder.vtu", self.folder / "out.vtu"
+        write_stl(surface, cylinder(1, 4, around=24, along=16))
+        self.run_well("delaunay", surface, "-o", mesh, "--edge-length", 0.4, "-q")
+        told = self.run_well("layers", mesh, "--side", "inward", "--first-height", 0.04, "--count", 2, "--extend", 2, "-o", out).stdout
+        cells = json.loads(self.run_well("info", out, "--json").stdout)
+        all_cells = cells["tetrahedra"] + cells["prisms"]
+        self.assertRegex(told, rf"2 layers, .*\n.*out\.vtu: \d+ cells of extensions more, {all_cells} in all\n$")
+
     def test_keeps_the_metric_of_the_mesh(self):
         mesh, sized = self.vessel(), self.folder / "sized.vtu"
         self.run_well("metric", mesh, "--curvature", "-o", sized)

@@ -338,6 +338,7 @@ class RunTest(CaseTest):
         result = self.run_lumesh("run", self.case, "-o", self.out, "--set", "metric.complexity=300000", "--time-limit", "4")
         self.assertEqual(result.returncode, TIME_LIMIT, result.stderr)
         self.assertIn("time limit", result.stderr)
+        self.assertIn("report.html, without measures and pictures of the rest", result.stdout)
         self.assertFalse(self.numbers()["complete"])
         self.run_well("evaluate", self.out / "a.vtu")
 

@@ -27,6 +27,7 @@ inline constexpr double kFlatDihedralDeg = 5;
 struct LayeredMesh {
   MixedMesh mesh;
   std::optional<LayersOfMesh> layers;  ///< Without the extensions.
+  std::size_t extension_cells = 0;
 };
 
 /// Makes what the request asks for: layers, measured before extensions change the mesh, and those.
@@ -41,10 +42,8 @@ struct LayeredMesh {
 /// The same, and a line on the whole mesh. @param path  Name of the mesh.
 [[nodiscard]] std::string layers_text(const std::string& path, const LayersOfMesh& layers);
 
-/// The same of what was made of a mesh, or a line on extensions alone. @param before  The mesh without
-/// either.
-[[nodiscard]] std::string layered_mesh_text(const std::string& path, const MeshView& before,
-                                            const LayeredMesh& made);
+/// The same of what was made of a mesh, and a line on extensions; either alone where there is but one.
+[[nodiscard]] std::string layered_mesh_text(const std::string& path, const LayeredMesh& made);
 
 /// The same numbers and those of the parts as JSON; docs/stages/layers.md describes the fields.
 [[nodiscard]] std::string layers_json(const LayersOfMesh& layers, const CommandNotes& notes);
