@@ -417,7 +417,7 @@ class SurfacesTest(ProgramTest):
         source.write_text("# of \\\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 \\\n 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
                           "f 4 3 \\\r\n2 1\nf 5 6 7 8\nf 1 2 \\\n6 \\\n5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
         told = json.loads(self.run_well("info", source, "--json").stdout)
-        self.assertEqual((told["points"], told["patches"]), (8, [{"name": "wall", "faces": 12}]))
+        self.assertEqual((told["points"], told["patches"]), (8, [{"name": "wall", "kind": "wall", "faces": 12}]))
 
     def test_ends_of_one_name_are_told(self):
         points, wall, low, high = closed_tube()
