@@ -19,22 +19,25 @@ constexpr int kSamples = 48;  // Along each axis.
 constexpr double kRegularVolume = 0.11785;  // sqrt(2) / 12
 
 /// The length of edges at a place of a part so thin that it is less than the size there; else that size.
-double edge_at(const Spacing& spacing, const Vec3& x, Material m) {
+double edge_at(const Spacing& spacing, const Vec3& x, const Domain::Surroundings& here) {
   constexpr double kCloser = 0.85, kReach = 1.6;  // Of sizes; half the thickness of a thin part, in spacings.
-  const double size = spacing.size_at(x, m), closeness = spacing.surface_spacing_at(x, m, 0);
-  const bool is_closer = kEdgePerSpacing * closeness < kCloser * size &&
-                         spacing.domain().surroundings(x).clearance_mm <= kReach * closeness;
+  const Material m = here.material;
+  const double size = spacing.size_at(x, m);
+  if (kEdgePerSpacing * here.clearance_mm > kReach * kCloser * size) return size;  // Without a measurement.
+  const double closeness = spacing.surface_spacing_at(x, m, 0);
+  const bool is_closer =
+      kEdgePerSpacing * closeness < kCloser * size && here.clearance_mm <= kReach * closeness;
   return is_closer && spacing.is_thin_at(x, m, 0) ? kEdgePerSpacing * closeness : size;
 }
 
 /// Tetrahedra at a boundary that passes through a box, where its points stand so much closer than inside that
 /// these there outnumber those of the volume.
-double tets_at_boundary(const Spacing& spacing, const Vec3& x, Material m, const Vec3& step) {
+double tets_at_boundary(const Spacing& spacing, const Vec3& x, const Domain::Surroundings& here,
+                        const Vec3& step) {
   constexpr double kMuchCloser = 0.4, kTetsPerPoint = 14, kAreaPerPoint = 1.1;  // The last in squares.
-  const Domain::Surroundings here = spacing.domain().surroundings(x);
   if (here.clearance_mm > 0.5 * step.minCoeff()) return 0;
-  const double closeness = spacing.surface_spacing_at(x, m, 0);
-  if (closeness > kMuchCloser * spacing.size_at(x, m)) return 0;
+  const double closeness = spacing.surface_spacing_at(x, here.material, 0);
+  if (closeness > kMuchCloser * spacing.size_at(x, here.material)) return 0;
   const double area = std::cbrt(std::pow(step.prod(), 2));
   return kTetsPerPoint * area / (kAreaPerPoint * closeness * closeness);
 }
@@ -50,16 +53,16 @@ EstimatedTets estimated_tets(const Spacing& spacing) {
     for (int j = 0; j < kSamples; ++j)
       for (int i = 0; i < kSamples; ++i) {
         const Vec3 x = box.min() + step.cwiseProduct(Vec3(i + 0.5, j + 0.5, static_cast<double>(k) + 0.5));
-        const Material m = domain.material_at(x);
-        if (!domain.is_meshed(m)) continue;
-        const double edge_mm = edge_at(spacing, x, m),
+        if (!domain.is_meshed(domain.material_at(x))) continue;
+        const Domain::Surroundings at = domain.surroundings(x);
+        const double edge_mm = edge_at(spacing, x, at),
                      here = step.prod() / (kRegularVolume * std::pow(edge_mm, 3));
         tets.all += here;
-        if (edge_mm < spacing.size_at(x, m)) {
+        if (edge_mm < spacing.size_at(x, at.material)) {
           tets.in_thin_parts += here;
           tets.least_edge_mm = std::min(tets.least_edge_mm, edge_mm);
         } else {
-          tets.all += tets_at_boundary(spacing, x, m, step);
+          tets.all += tets_at_boundary(spacing, x, at, step);
         }
       }
     return tets;

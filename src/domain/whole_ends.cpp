@@ -68,7 +68,7 @@ class EndPieces {
     return found;
   }
 
-  /// What would be ends were it not for how bent they are.
+  /// Regions that would be ends were it not for how bent they are.
   [[nodiscard]] std::vector<BentEnd> find_bent() {
     constexpr int kMaxTries = 16;
     std::vector<BentEnd> found;

@@ -98,6 +98,9 @@ MixedMesh read_surface_file(const Path& path, const std::string& patch_array, co
       has_arrays ? format.code.read_by_array(path, patch_array, context) : format.code.read(path);
   for (Patch& patch : mesh.info.patches) patch.name = io::as_utf8(std::move(patch.name));
   for (auto& [label, name] : mesh.info.label_names) name = io::as_utf8(std::move(name));
+  // Formats in which each label must have a name have this one for those without.
+  std::erase_if(mesh.info.label_names,
+                [](const auto& named) { return named.second == fmt::format("label_{}", named.first); });
   if (format.parts.empty()) return mesh;
   const std::string renamed = io::name_patches_by_words(mesh.info.patches, format.parts);
   if (!renamed.empty()) context.warn(path.string() + ": " + renamed);

@@ -33,7 +33,7 @@ class VtkXmlReader {
   [[nodiscard]] std::vector<std::int64_t> integers(const pugi::xml_node& array, const char* what) const;
   /// The piece's points, finite numbers each.
   [[nodiscard]] std::vector<Vec3> points() const;
-  /// All cells of a kind of the piece, such as Polys.
+  /// Cells of a kind of the piece, such as Polys.
   [[nodiscard]] CellCorners cells(const char* kind) const;
   /// Bytes as text, for arrays that hold characters.
   [[nodiscard]] std::string text(const pugi::xml_node& array) const;

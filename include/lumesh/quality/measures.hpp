@@ -207,7 +207,8 @@ struct SurfaceDistances {
 struct MissedVoxel {
   double distance_mm = 0;  ///< From its centre to the boundary of its label in the mesh.
   Vec3 centre_mm = Vec3::Zero();
-  std::optional<Index3> voxel;  ///< Of the image that was given; none beyond it, as where it is extended.
+  std::optional<Index3>
+      voxel;  ///< Index in the image that was given; none beyond it, as where it is extended.
 };
 
 /// Voxels of one label, of the background, or of all, by their centres.
