@@ -9,6 +9,7 @@
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {

@@ -5,6 +5,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/validate.hpp"
+#include "lumesh/stages/input.hpp"
 
 namespace lumesh {
 namespace {
