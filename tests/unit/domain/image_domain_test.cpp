@@ -11,6 +11,7 @@
 
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/field/label_field.hpp"
 
 namespace lumesh {
 namespace {
