@@ -69,6 +69,18 @@ Tube bridge_over(const Tube& tube, const Stretch& stretch, double gap) {
                 arriving, tube.radii[stretch.end], gap);
 }
 
+/// First point whose radius is at most `factor` times the smallest one soon behind it, and `slack_mm` more;
+/// the last point if there is none.
+std::size_t first_like_next(const Tube& tube, double factor, double slack_mm) {
+  const double gap = mean_gap(tube);
+  std::size_t at = 0;
+  for (; at + 1 < tube.size(); ++at) {
+    const auto reach = static_cast<std::ptrdiff_t>(kBulgeReach * tube.radii[at] / gap);
+    if (tube.radii[at] <= factor * narrowest(tube, at, reach, 1) + slack_mm) break;
+  }
+  return at;
+}
+
 }  // namespace
 
 Tube without_bulges(const Lumen& lumen, const Tube& tube) {
@@ -98,28 +110,14 @@ Tube without_bulges(const Lumen& lumen, const Tube& tube) {
 }
 
 std::size_t clear_of_sac(const Tube& tube) {
-  const double gap = mean_gap(tube);
-  const auto reach = [&](std::size_t at, double radii) {
-    return static_cast<std::ptrdiff_t>(radii * tube.radii[at] / gap);
-  };
-  const auto flare = [&](std::size_t at) {
-    return tube.radii[at] / narrowest(tube, at, reach(at, kBulgeReach), 1);
-  };
-  if (flare(0) < kDrawn) return 0;
-  std::size_t at = 0;
-  while (at + 1 < tube.size() && flare(at) > kBase) ++at;
-  return std::min(tube.size() - 1, at + static_cast<std::size_t>(reach(at, 1)));
+  if (first_like_next(tube, kDrawn, 0) == 0) return 0;
+  const std::size_t at = first_like_next(tube, kBase, 0);
+  return std::min(tube.size() - 1, at + static_cast<std::size_t>(tube.radii[at] / mean_gap(tube)));
 }
 
 std::size_t end_of_first_bulge(const Tube& tube, double voxel_mm) {
-  const double gap = mean_gap(tube);
-  std::size_t at = 0;
-  while (at + 1 < tube.size()) {
-    const auto reach = static_cast<std::ptrdiff_t>(kBulgeReach * tube.radii[at] / gap);
-    if (tube.radii[at] <= kBulge * narrowest(tube, at, reach, 1) + 0.5 * voxel_mm) return at;
-    ++at;
-  }
-  return 0;
+  const std::size_t at = first_like_next(tube, kBulge, 0.5 * voxel_mm);
+  return at + 1 < tube.size() ? at : 0;
 }
 
 }  // namespace lumesh::centerline

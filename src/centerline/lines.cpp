@@ -59,20 +59,21 @@ class LineMaker {
 
   [[nodiscard]] Tube fit(const VoxelPath& path, const Tube& rough) const {
     Tube tube = rough;
-    if (path.first.path >= 0) leave_parent(tube, path.first.path);
-    if (path.last.path >= 0 && !path.closed) {
-      tube.reverse();
-      leave_parent(tube, path.last.path);
-      tube.reverse();
-    }
+    at_joined_ends(path, tube, [&](int parent) { leave_parent(tube, parent); });
     Tube fine = with_way_inside(inscribed(lumen_, fitted(lumen_, without_bulges(lumen_, tube))), tube);
-    if (path.first.path >= 0) leave_sac(fine, path.first.path);
-    if (path.last.path >= 0 && !path.closed) {
-      fine.reverse();
-      leave_sac(fine, path.last.path);
-      fine.reverse();
-    }
+    at_joined_ends(path, fine, [&](int parent) { leave_sac(fine, parent); });
     return fine;
+  }
+
+  /// Calls a function with the path that a tube's first end joins, for both ends: it is turned round for the
+  /// last one.
+  template <class Function>
+  static void at_joined_ends(const VoxelPath& path, Tube& tube, const Function& function) {
+    if (path.first.path >= 0) function(path.first.path);
+    if (path.last.path < 0 || path.closed) return;
+    tube.reverse();
+    function(path.last.path);
+    tube.reverse();
   }
 
   /// Where a fit has left the lumen, in vessels too thin or too crooked for a tube, the voxels' way takes its

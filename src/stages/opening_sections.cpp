@@ -113,21 +113,25 @@ struct Voxels {
   /// Whether voxels of a vessel with a section of this area can hardly be these ones.
   [[nodiscard]] bool contradict(double section_mm2) const {
     constexpr double kShare = 0.1, kVoxels = 0.7;
-    // The other bound is the nearer one where the outline is short and the section changes little. Centres
-    // of voxels within a circle of radius r have a variance of 0.676 r, and 0.085 per edge.
-    constexpr double kLeastShare = 0.05, kDeviations = 2.5, kPerEdge = 0.085, kChange = 0.1;
-    const double chance = face_mm2 * std::sqrt(kPerEdge * static_cast<double>(edge_count));
+    // The other bound is the nearer one where the outline is short and the section changes little.
+    constexpr double kLeastShare = 0.05, kChange = 0.1;
     const double change = std::abs(next_area_mm2 - area_mm2);
     return std::abs(section_mm2 - area_mm2) >
            std::min(kShare * area_mm2 + kVoxels * std::sqrt(area_mm2 * face_mm2),
-                    kLeastShare * area_mm2 + kDeviations * chance + kChange * change);
+                    kLeastShare * area_mm2 + chance_mm2(1) + kChange * change);
   }
 
   /// Whether the section grows by more than a quarter within a voxel: it is that of a wall along the border.
   [[nodiscard]] bool is_along_wall() const {
-    constexpr double kGrowth = 0.25, kDeviations = 2.5, kPerEdge = 0.085;
-    const double chance = face_mm2 * std::sqrt(2 * kPerEdge * static_cast<double>(edge_count));
-    return next_area_mm2 - area_mm2 > kGrowth * area_mm2 + kDeviations * chance;
+    constexpr double kGrowth = 0.25;
+    return next_area_mm2 - area_mm2 > kGrowth * area_mm2 + chance_mm2(2);
+  }
+  /// By how much areas of sections, or their difference, are off by chance at most: centres of voxels within
+  /// a circle of radius r have a variance of 0.676 r, and 0.085 per edge.
+  [[nodiscard]] double chance_mm2(int sections_of_voxels) const {
+    constexpr double kDeviations = 2.5, kPerEdge = 0.085;
+    return kDeviations * face_mm2 *
+           std::sqrt(sections_of_voxels * kPerEdge * static_cast<double>(edge_count));
   }
 
   /// Whether there are too few faces to tell the section of a vessel.

@@ -12,6 +12,7 @@
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/edge_key.hpp"
 
 namespace lumesh {
 namespace {
@@ -20,10 +21,9 @@ namespace {
 using TrianglesAt = std::map<std::array<std::uint32_t, 2>, int>;
 
 void add_edges(const Cell<3>& corners, TrianglesAt& all) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto [a, b] = std::minmax(corners[i], corners[(i + 1) % 3]);
-    ++all[{a, b}];
-  }
+  for_each_edge_of(corners, [&](std::uint32_t a, std::uint32_t b) {
+    ++all[{std::min(a, b), std::max(a, b)}];
+  });
 }
 
 /// The triangles of one patch of openings.

@@ -42,10 +42,10 @@ std::optional<double> doubtful_change(const Domain& domain, const Opening& openi
   if (!opening.squares || opening.is_rim || opening.is_hollow()) return std::nullopt;
   const double voxel_mm = opening.voxel_mm;
   if (opening.area_mm2 > std::numbers::pi * kWidest * kWidest * voxel_mm * voxel_mm) return std::nullopt;
-  Opening wide = opening;
-  wide.squares = std::make_shared<OpeningSquares>(wider(*opening.squares, voxel_mm));
+  const OpeningSquares wide = wider(*opening.squares, voxel_mm);
   const auto area = [&](double voxels) {
-    const OpeningSquares squares = section_before(domain, wide, voxels * voxel_mm);
+    const OpeningSquares squares =
+        section_before(domain, opening.label, wide, -voxels * voxel_mm * opening.normal);
     return static_cast<double>(std::ranges::count(squares.is_inside, std::uint8_t{1}));
   };
   // Not at the border itself, where half of the samples are rounded to lie outside.

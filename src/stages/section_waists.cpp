@@ -127,13 +127,14 @@ class SectionParts {
 
 }  // namespace
 
-OpeningSquares section_before(const Domain& domain, const Opening& opening, double depth_mm) {
-  OpeningSquares before = *opening.squares;
-  before.first_mm -= depth_mm * opening.normal;
+OpeningSquares section_before(const Domain& domain, Label label, const OpeningSquares& section,
+                              const Vec3& way_mm) {
+  OpeningSquares before = section;
+  before.first_mm += way_mm;
   for (int row = 0; row < before.rows; ++row)
     for (int column = 0; column < before.columns; ++column) {
       const Material m = domain.material_at(before.centre_of(column, row));
-      const bool is_label = domain.is_meshed(m) && domain.label_of(m) == opening.label;
+      const bool is_label = domain.is_meshed(m) && domain.label_of(m) == label;
       before.is_inside[before.square(column, row)] = is_label ? 1 : 0;
     }
   const std::vector<std::uint32_t> part =
@@ -141,7 +142,7 @@ OpeningSquares section_before(const Domain& domain, const Opening& opening, doub
                         [&](std::size_t s) { return before.is_inside[s]; });
   std::set<std::uint32_t> is_before;
   for (std::size_t s = 0; s < part.size(); ++s)
-    if (opening.squares->is_inside[s] != 0) is_before.insert(part[s]);
+    if (section.is_inside[s] != 0) is_before.insert(part[s]);
   for (std::size_t s = 0; s < part.size(); ++s)
     if (!is_before.contains(part[s])) before.is_inside[s] = 0;
   return before;
@@ -154,7 +155,9 @@ std::optional<SectionWaist> find_waist(const Domain& domain, const Opening& open
   if (!waist) return waist;
   const double depth_mm = 0.5 * waist->diameters_mm[1];
   const std::optional<SectionWaist> before =
-      SectionParts(section_before(domain, opening, depth_mm), narrowest_mm).narrowest_waist();
+      SectionParts(section_before(domain, opening.label, *opening.squares, -depth_mm * opening.normal),
+                   narrowest_mm)
+          .narrowest_waist();
   const bool is_one = !before || std::min(waist->share(), before->share()) > kNarrow;
   return is_one ? std::nullopt : waist;
 }

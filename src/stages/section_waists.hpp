@@ -22,7 +22,8 @@ struct SectionWaist {
 /// outline. The smooth boundary hides where vessels of less than 4 voxels in radius touch.
 [[nodiscard]] std::optional<SectionWaist> find_waist(const Domain& domain, const Opening& opening);
 
-/// The section so far before another one: the parts of its label that lie before its squares.
-[[nodiscard]] OpeningSquares section_before(const Domain& domain, const Opening& opening, double depth_mm);
+/// The section of a label on the squares of another one, moved: the parts that lie before those inside it.
+[[nodiscard]] OpeningSquares section_before(const Domain& domain, Label label, const OpeningSquares& section,
+                                            const Vec3& way_mm);
 
 }  // namespace lumesh
