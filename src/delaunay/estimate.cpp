@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "lumesh/core/error.hpp"
@@ -13,33 +14,46 @@
 namespace lumesh::delaunay {
 namespace {
 
-constexpr int kSamples = 48;  // Along each axis.
+constexpr int kSamples = 44;  // Along each axis.
 
 /// Volume over the volume of a regular tetrahedron with edges of the wanted length.
 constexpr double kRegularVolume = 0.11785;  // sqrt(2) / 12
 
-/// The length of edges at a place of a part so thin that it is less than the size there; else that size.
-double edge_at(const Spacing& spacing, const Vec3& x, const Domain::Surroundings& here) {
-  constexpr double kCloser = 0.85, kReach = 1.6;  // Of sizes; half the thickness of a thin part, in spacings.
-  const Material m = here.material;
-  const double size = spacing.size_at(x, m);
-  if (kEdgePerSpacing * here.clearance_mm > kReach * kCloser * size) return size;  // Without a measurement.
-  const double closeness = spacing.surface_spacing_at(x, m, 0);
-  const bool is_closer =
-      kEdgePerSpacing * closeness < kCloser * size && here.clearance_mm <= kReach * closeness;
-  return is_closer && spacing.is_thin_at(x, m, 0) ? kEdgePerSpacing * closeness : size;
+/// A place within what is meshed.
+struct Sample {
+  Vec3 x;
+  Material material;
+  double clearance_mm, size_mm;
+  double closeness_mm;  ///< How close points of the boundary nearby stand; infinite far from it.
+};
+
+constexpr double kThinCloser = 0.85,
+                 kThinReach = 1.6;  // Of sizes; half the thickness of a thin part, in spacings.
+
+Sample sample_at(const Spacing& spacing, const Vec3& x, const Vec3& step) {
+  const Domain::Surroundings here = spacing.domain().surroundings(x);
+  const double size = spacing.size_at(x, here.material);
+  const double near_mm = std::max(kThinReach * kThinCloser * size / kEdgePerSpacing, 0.5 * step.minCoeff());
+  const double closeness = here.clearance_mm > near_mm ? std::numeric_limits<double>::infinity()
+                                                       : spacing.surface_spacing_at(x, here.material, 0);
+  return {x, here.material, here.clearance_mm, size, closeness};
+}
+
+/// The length of edges in a part so thin that it is less than the size there; else that size.
+double edge_at(const Spacing& spacing, const Sample& at) {
+  const bool is_closer = kEdgePerSpacing * at.closeness_mm < kThinCloser * at.size_mm &&
+                         at.clearance_mm <= kThinReach * at.closeness_mm;
+  return is_closer && spacing.is_thin_at(at.x, at.material, 0) ? kEdgePerSpacing * at.closeness_mm
+                                                               : at.size_mm;
 }
 
 /// Tetrahedra at a boundary that passes through a box, where its points stand so much closer than inside that
 /// these there outnumber those of the volume.
-double tets_at_boundary(const Spacing& spacing, const Vec3& x, const Domain::Surroundings& here,
-                        const Vec3& step) {
+double tets_at_boundary(const Sample& at, const Vec3& step) {
   constexpr double kMuchCloser = 0.4, kTetsPerPoint = 14, kAreaPerPoint = 1.1;  // The last in squares.
-  if (here.clearance_mm > 0.5 * step.minCoeff()) return 0;
-  const double closeness = spacing.surface_spacing_at(x, here.material, 0);
-  if (closeness > kMuchCloser * spacing.size_at(x, here.material)) return 0;
+  if (at.clearance_mm > 0.5 * step.minCoeff() || at.closeness_mm > kMuchCloser * at.size_mm) return 0;
   const double area = std::cbrt(std::pow(step.prod(), 2));
-  return kTetsPerPoint * area / (kAreaPerPoint * closeness * closeness);
+  return kTetsPerPoint * area / (kAreaPerPoint * at.closeness_mm * at.closeness_mm);
 }
 
 }  // namespace
@@ -54,15 +68,15 @@ EstimatedTets estimated_tets(const Spacing& spacing) {
       for (int i = 0; i < kSamples; ++i) {
         const Vec3 x = box.min() + step.cwiseProduct(Vec3(i + 0.5, j + 0.5, static_cast<double>(k) + 0.5));
         if (!domain.is_meshed(domain.material_at(x))) continue;
-        const Domain::Surroundings at = domain.surroundings(x);
-        const double edge_mm = edge_at(spacing, x, at),
+        const Sample at = sample_at(spacing, x, step);
+        const double edge_mm = edge_at(spacing, at),
                      here = step.prod() / (kRegularVolume * std::pow(edge_mm, 3));
         tets.all += here;
-        if (edge_mm < spacing.size_at(x, at.material)) {
+        if (edge_mm < at.size_mm) {
           tets.in_thin_parts += here;
           tets.least_edge_mm = std::min(tets.least_edge_mm, edge_mm);
         } else {
-          tets.all += tets_at_boundary(spacing, x, at, step);
+          tets.all += tets_at_boundary(at, step);
         }
       }
     return tets;
