@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "band.hpp"
+#include "border_sections.hpp"
 #include "fit.hpp"
 #include "label_pairs.hpp"
 #include "label_volumes.hpp"
@@ -43,6 +44,7 @@ class LabelFieldBuilder {
     collect_pairs();
     fit_pairs();
     keep_volumes();
+    keep_sections();
   }
 
  private:
@@ -221,23 +223,51 @@ class LabelFieldBuilder {
     for (int round = 0; round < kRounds && !volumes.is_empty(); ++round) {
       const std::vector<float> shifts = volumes.shifts(f_);
       if (shifts.empty()) return;
-      parallel::for_each_index(place_.size(), 1, [&](std::size_t b) { shift_outer_wall(b, shifts); });
+      const auto is_shifted = [&](LabelIndex label) { return shifts[label] != 0; };
+      parallel::for_each_index(place_.size(), 1, [&](std::size_t b) {
+        if (std::ranges::any_of(f_.labels_of(f_.active_[b]), is_shifted))
+          shift_outer_wall(b, [&](const Index3& voxel) { return mean_shift(voxel, shifts); });
+      });
     }
   }
 
-  /// Shifts a brick's outer function; voxels' centres keep their sides by as much as thin parts do.
-  void shift_outer_wall(std::size_t b, std::span<const float> shifts) {
+  /// Shifts the outer wall where vessels leave the image with other sections than they have further in.
+  void keep_sections() {
+    constexpr int kRounds = 3;
+    if (pairs_.empty() || !pairs_.front().pair.is_outer_wall() || !pairs_.front().crossings.empty()) return;
+    const field::BorderSections sections(image_, f_);
+    for (int round = 0; round < kRounds && !sections.is_empty(); ++round) {
+      const std::vector<field::BorderShift> shifts = sections.shifts(f_);
+      if (shifts.empty()) return;
+      parallel::for_each_index(place_.size(), 16, [&](std::size_t b) {
+        const Index3 first = brick_index(place_[b]) * kBrick + Index3::Constant(kFirstStored);
+        const IndexBox stored{first, first + Index3::Constant(kStored - 1)};
+        for (const field::BorderShift& shift : shifts)
+          if (shift.voxels.meets(stored))
+            shift_outer_wall(b, [&](const Index3& voxel) { return shift.at(voxel); });
+      });
+    }
+  }
+
+  /// Shifts a brick's outer function by shift(voxel); voxels' centres keep their sides by as much as thin
+  /// parts do, and where the image ends with background it stays that.
+  template <class Shift>
+  void shift_outer_wall(std::size_t b, const Shift& shift) {
     constexpr auto kLimit = static_cast<float>(LabelField::kStoredLimit);
     constexpr float kKept = 0.03F;
     const Brick& brick = f_.active_[b];
-    const auto is_shifted = [&](LabelIndex label) { return shifts[label] != 0; };
-    if (!brick.has_outer_wall || std::ranges::none_of(f_.labels_of(brick), is_shifted)) return;
+    if (!brick.has_outer_wall) return;
     float* const values = &f_.blocks_[std::size_t{brick.first_pair} * LabelField::kBlock];
     const Index3 first = brick_index(place_[b]) * kBrick + Index3::Constant(kFirstStored);
     for_each_place(Index3::Zero(), Index3::Constant(kStored - 1), [&](const Index3& at) {
       float& value = values[at.x() + LabelField::kRowPad * (at.y() + kStored * at.z())];
       if (std::abs(value) >= kLimit) return;
-      const float shifted = std::clamp(value + mean_shift(first + at, shifts), -kLimit, kLimit);
+      const Index3 voxel = first + at;
+      const float shifted = std::clamp(value + shift(voxel), -kLimit, kLimit);
+      if (!f_.frame_.contains(voxel) && beyond_bare_end(voxel) < 0) {
+        value = shifted;
+        return;
+      }
       value =
           value > 0 ? std::max(shifted, std::min(value, kKept)) : std::min(shifted, std::max(value, -kKept));
     });
