@@ -8,12 +8,16 @@
 
 namespace lumesh::field {
 
-BorderLayer::BorderLayer(const LabelImage& image, int axis, bool is_upper, int depth)
-    : size_(image.frame().size), axis_(axis), layer_(is_upper ? size_[axis] - 1 : 0), depth_(depth) {
+BorderLayer::BorderLayer(const LabelImage& image, BorderParts parts, int axis, bool is_upper, int depth)
+    : image_(image),
+      parts_(parts),
+      size_(image.frame().size),
+      axis_(axis),
+      layer_(is_upper ? size_[axis] - 1 : 0),
+      depth_(depth) {
   const auto [u, v] = axes_across(axis);
   const auto columns = static_cast<std::size_t>(size_[u]), rows = static_cast<std::size_t>(size_[v]);
-  number_ =
-      connected_squares(columns, columns * rows, [&](std::size_t at) { return image.at(voxel(at)) != 0; });
+  number_ = connected_squares(columns, columns * rows, [&](std::size_t at) { return part_at(voxel(at)); });
   collect();
   const Vec3& edges = image.frame().spacing_mm;
   window_.axis = axis, window_.is_upper = is_upper;
@@ -26,7 +30,7 @@ void BorderLayer::collect() {
     if (number_[at] == 0) continue;
     const Index3 v = voxel(at);
     if (number_[at] > all_.size())
-      all_.push_back({.window = window_, .voxels = {v, v}, .count = 0, .number = number_[at]});
+      all_.push_back({.window = window_, .voxels = {v, v}, .first = at, .number = number_[at]});
     BorderPiece& piece = all_[number_[at] - 1];
     piece.voxels = {piece.voxels.low.cwiseMin(v), piece.voxels.high.cwiseMax(v)};
     ++piece.count;
@@ -38,9 +42,14 @@ std::vector<BorderPiece> BorderLayer::pieces(double widest, int room) const {
   const double most = kMaxSlant * std::numbers::pi * widest * widest;
   std::vector<BorderPiece> result;
   if (size_[axis_] <= depth_ * window_.step + 1) return result;
-  for (const BorderPiece& piece : all_) {
+  for (BorderPiece piece : all_) {
     const auto count = static_cast<double>(piece.count);
-    if (count >= kMinVoxels && count <= most && is_clear(piece, room)) result.push_back(with_window(piece));
+    if (count < kMinVoxels || count > most || !is_clear(piece, room)) continue;
+    if (parts_ == BorderParts::kEnclosedLabels) {
+      piece.label = part_at(voxel(piece.first)), piece.around = label_around(piece);
+      if (piece.around == 0) continue;
+    }
+    result.push_back(with_window(piece));
   }
   return result;
 }
@@ -48,9 +57,34 @@ std::vector<BorderPiece> BorderLayer::pieces(double widest, int room) const {
 bool BorderLayer::is_clear(const BorderPiece& piece, int room) const {
   for (const int a : axes_across(axis_))
     if (piece.voxels.low[a] == 0 || piece.voxels.high[a] + 1 == size_[a]) return false;
+  const LabelIndex part = part_at(voxel(piece.first));
   const IndexBox around = grown(piece.voxels, room);
   return !is_any_place(around.low, around.high,
-                       [&](const Index3& v) { return number_at(v) != 0 && number_at(v) != piece.number; });
+                       [&](const Index3& v) { return part_at(v) == part && number_at(v) != piece.number; });
+}
+
+/// The label of a voxel, or 1 for all.
+LabelIndex BorderLayer::part_at(const Index3& voxel) const {
+  const LabelIndex label = image_.at(voxel);
+  return parts_ == BorderParts::kObject && label != 0 ? LabelIndex{1} : label;
+}
+
+/// The only one beside a piece's voxels; 0 if there is background or another one, too.
+LabelIndex BorderLayer::label_around(const BorderPiece& piece) const {
+  LabelIndex found = 0;
+  bool is_only = true;
+  const IndexBox box = grown(piece.voxels, 1);
+  for_each_place(box.low, box.high, [&](const Index3& v) {
+    if (number_at(v) != piece.number) return;
+    for (const int a : axes_across(axis_))
+      for (const int step : {-1, 1}) {
+        const LabelIndex label = image_.at(v + step * Index3::Unit(a));
+        if (label == piece.label) continue;
+        is_only = is_only && label != 0 && (found == 0 || found == label);
+        found = label;
+      }
+  });
+  return is_only ? found : LabelIndex{0};
 }
 
 /// Sections further in lie beside the piece.

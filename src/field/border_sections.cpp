@@ -148,19 +148,21 @@ float BorderShift::at(const Index3& voxel) const {
 }
 
 BorderSections::BorderSections(const LabelImage& image, const LabelField& field) {
-  for (int axis = 0; axis < 3; ++axis)
-    for (const bool is_upper : {false, true}) {
-      const BorderLayer layer(image, axis, is_upper, kMaxLength);
+  for (const BorderParts parts : {BorderParts::kObject, BorderParts::kEnclosedLabels})
+    for (int face = 0; face < 6; ++face) {
+      const BorderLayer layer(image, parts, face / 2, face % 2 != 0, kMaxLength);
       const std::vector<BorderPiece> pieces = layer.pieces(kWidest, kRoom);
       std::vector<std::optional<Section>> found(pieces.size());
       parallel::for_each_index(pieces.size(), 1, [&](std::size_t i) {
         const BorderPiece& piece = pieces[i];
-        const SectionFinder finder(field, piece.window);
+        const SectionFinder finder(field, piece.window, piece.label);
         const Vessel vessel(finder, piece.window, layer.squares_of(piece));
         const double change = vessel.change(static_cast<double>(piece.count));
         if (std::abs(change - 1) < kLeastChange) return;
         const PlaneSection& last = vessel.cuts().front();
-        found[i] = {.window = piece.window,
+        found[i] = {.label = piece.label,
+                    .around = piece.around,
+                    .window = piece.window,
                     .squares = last.is_inside,
                     .area = change * last.area,
                     .voxels = voxels_around(vessel, piece.window)};
@@ -175,9 +177,12 @@ std::vector<BorderShift> BorderSections::shifts(const LabelField& field) const {
   parallel::for_each_index(sections_.size(), 1, [&](std::size_t i) {
     const Section& section = sections_[i];
     const SectionWindow& window = section.window;
-    const std::optional<PlaneSection> cut = SectionFinder(field, window).find(section.squares, 0, 0);
+    const std::optional<PlaneSection> cut =
+        SectionFinder(field, window, section.label).find(section.squares, 0, 0);
     if (!cut || std::abs(section.area / cut->area - 1) < kLeastChange) return;
-    result[i] = {.axis = window.axis,
+    result[i] = {.label = section.label,
+                 .around = section.around,
+                 .axis = window.axis,
                  .is_upper = window.is_upper,
                  .voxels = section.voxels,
                  .border = window.border,

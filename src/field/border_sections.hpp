@@ -10,9 +10,11 @@
 
 namespace lumesh::field {
 
-/// A shift of the outer wall near one opening.
+/// A shift of a boundary near one opening.
 struct BorderShift {
-  int axis = 0;  ///< Across the border.
+  LabelField::LabelIndex label = 0;   ///< Whose boundary; 0: that of all labels against the background.
+  LabelField::LabelIndex around = 0;  ///< The label on its other side.
+  int axis = 0;                       ///< Across the border.
   bool is_upper = false;
   IndexBox voxels;       ///< Which it holds for; reaches beyond the image.
   double border = 0;     ///< Voxel index along the axis.
@@ -39,6 +41,7 @@ class BorderSections {
 
  private:
   struct Section {
+    LabelField::LabelIndex label = 0, around = 0;
     SectionWindow window;
     std::vector<std::uint8_t> squares;  ///< 1 in the section at the border.
     double area = 0;                    ///< That it is to have there, in squares.

@@ -226,7 +226,7 @@ class LabelFieldBuilder {
       const auto is_shifted = [&](LabelIndex label) { return shifts[label] != 0; };
       parallel::for_each_index(place_.size(), 1, [&](std::size_t b) {
         if (std::ranges::any_of(f_.labels_of(f_.active_[b]), is_shifted))
-          shift_outer_wall(b, [&](const Index3& voxel) { return mean_shift(voxel, shifts); });
+          shift_boundary(b, 0, 0, [&](const Index3& voxel) { return mean_shift(voxel, shifts); });
       });
     }
   }
@@ -244,26 +244,29 @@ class LabelFieldBuilder {
         const IndexBox stored{first, first + Index3::Constant(kStored - 1)};
         for (const field::BorderShift& shift : shifts)
           if (shift.voxels.meets(stored))
-            shift_outer_wall(b, [&](const Index3& voxel) { return shift.at(voxel); });
+            shift_boundary(b, shift.label, shift.around,
+                           [&](const Index3& voxel) { return shift.at(voxel); });
       });
     }
   }
 
-  /// Shifts a brick's outer function by shift(voxel); voxels' centres keep their sides by as much as thin
-  /// parts do, and where the image ends with background it stays that.
+  /// Shifts a label's function against the one around it in a brick, 0 and 0: the outer function, outwards by
+  /// shift(voxel); voxels' centres keep their sides by as much as thin parts do, and where the image ends
+  /// with background it stays that.
   template <class Shift>
-  void shift_outer_wall(std::size_t b, const Shift& shift) {
+  void shift_boundary(std::size_t b, LabelIndex label, LabelIndex around, const Shift& shift) {
     constexpr auto kLimit = static_cast<float>(LabelField::kStoredLimit);
     constexpr float kKept = 0.03F;
-    const Brick& brick = f_.active_[b];
-    if (!brick.has_outer_wall) return;
-    float* const values = &f_.blocks_[std::size_t{brick.first_pair} * LabelField::kBlock];
+    const LabelField::BlockRef ref = f_.find_block(f_.active_[b], label == 0 ? LabelIndex{1} : label, around);
+    if (ref.sign == 0) return;
+    const auto sign = static_cast<float>(ref.sign);
+    float* const values = &f_.blocks_[ref.block * LabelField::kBlock];
     const Index3 first = brick_index(place_[b]) * kBrick + Index3::Constant(kFirstStored);
     for_each_place(Index3::Zero(), Index3::Constant(kStored - 1), [&](const Index3& at) {
       float& value = values[at.x() + LabelField::kRowPad * (at.y() + kStored * at.z())];
       if (std::abs(value) >= kLimit) return;
       const Index3 voxel = first + at;
-      const float shifted = std::clamp(value + shift(voxel), -kLimit, kLimit);
+      const float shifted = std::clamp(value + sign * shift(voxel), -kLimit, kLimit);
       if (!f_.frame_.contains(voxel) && beyond_bare_end(voxel) < 0) {
         value = shifted;
         return;

@@ -66,13 +66,18 @@ Index3 SectionWindow::voxel(std::size_t square) const {
   return result;
 }
 
-SectionFinder::SectionFinder(const LabelField& field, const SectionWindow& window)
-    : field_(field), window_(window), edges_(field.frame().spacing_mm / field.frame().spacing_mm.minCoeff()) {
+SectionFinder::SectionFinder(const LabelField& field, const SectionWindow& window,
+                             LabelField::LabelIndex label)
+    : field_(field),
+      window_(window),
+      label_(label),
+      edges_(field.frame().spacing_mm / field.frame().spacing_mm.minCoeff()) {
   const auto [u, v] = axes_across(window.axis);
   square_ = std::sqrt(edges_[u] * edges_[v]) / kSquaresPerVoxel;
 }
 
-double SectionFinder::outer_value(const Vec3& place) const {
+double SectionFinder::value(const Vec3& place) const {
+  if (label_ != 0) return field_.value(place, label_);
   const LabelField::LabelIndex label = field_.object_label_at(place);
   return label == 0 ? -LabelField::kStoredLimit : field_.difference_value(place, label, 0);
 }
@@ -82,7 +87,7 @@ std::optional<PlaneSection> SectionFinder::find(const std::vector<std::uint8_t>&
   // Axes shift by less than two voxels from one depth to the next.
   const SquareBox reached = box_of(over, window_).grown((kMaxRoom + 2) * kSquaresPerVoxel, window_);
   std::vector<double> values(window_.count(), -1);
-  reached.for_each(window_, [&](std::size_t s) { values[s] = outer_value(window_.place(s, depth)); });
+  reached.for_each(window_, [&](std::size_t s) { values[s] = value(window_.place(s, depth)); });
   PlaneSection section;
   section.is_inside.assign(window_.count(), 0);
   for (std::size_t start = 0; start < values.size(); ++start)

@@ -48,7 +48,8 @@ struct PlaneSection {
 /// Keeps references to both.
 class SectionFinder {
  public:
-  SectionFinder(const LabelField& field, const SectionWindow& window);
+  /// @param label  Whose sections are found; 0: those of all labels together.
+  SectionFinder(const LabelField& field, const SectionWindow& window, LabelField::LabelIndex label);
 
   /// The section at a depth that lies over squares; none if it has a hole or leaves the window, or if
   /// something else is as near as `room` voxels.
@@ -61,13 +62,14 @@ class SectionFinder {
   static constexpr int kMaxRoom = 3;
 
  private:
-  [[nodiscard]] double outer_value(const Vec3& place) const;
+  [[nodiscard]] double value(const Vec3& place) const;
   [[nodiscard]] bool is_alone(const std::vector<std::uint8_t>& inside, const std::vector<double>& values,
                               int room) const;
   void measure(const std::vector<double>& values, PlaneSection& section) const;
 
   const LabelField& field_;
   const SectionWindow& window_;
+  LabelField::LabelIndex label_;
   Vec3 edges_;
   double square_ = 1;  // Edge of a square, in edges of the smallest voxel.
 };
