@@ -186,7 +186,7 @@ LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const 
     context.warn(fmt::format(
         "layers grow into label {}, the only one at the walls, and not into {}; `into` LABEL with a "
         "`patch` between labels has them grow elsewhere, as into the lumen within a wall",
-        label_list({selection.into}, mesh.info()), label_list(others, mesh.info())));
+        label_list({selection.into}, mesh.info().label_names), label_list(others, mesh.info().label_names)));
   const auto [part, rest] = context.phase("part", [&] {
     return std::pair{part_of(whole, {selection.into}), part_of(whole, others)};
   });

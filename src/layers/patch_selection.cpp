@@ -50,7 +50,8 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
     const std::size_t p = wanted_patch(name, info);
     if (!is_at_label(p))
       throw_bad_selection(fmt::format("patch {} is not at label {}; it is at {}", name,
-                                      label_list({options.into}, info), label_list(sides[p].labels, info)));
+                                      label_list({options.into}, info.label_names),
+                                      label_list(sides[p].labels, info.label_names)));
     chosen[p] = 1;
   }
   if (options.patches.empty())
@@ -63,7 +64,8 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
       if (is_at_label(p)) known += " " + info.patches[p].name;
     throw_bad_selection(fmt::format(
         "there is no wall for layers{}; name patches with `patch`, of:{}",
-        options.into == 0 ? "" : fmt::format(" at label {}", label_list({options.into}, info)), known));
+        options.into == 0 ? "" : fmt::format(" at label {}", label_list({options.into}, info.label_names)),
+        known));
   }
   return chosen;
 }
@@ -93,7 +95,7 @@ PatchSelection select_patches(const TetMesh& mesh, const BoundaryFaces& faces, c
     throw_bad_selection(
         fmt::format("patch {} lies between labels {} and has no free side; layers grow into one of them with "
                     "`side` inward and `into` LABEL",
-                    info.patches[p].name, label_list(sides[p].labels, info)));
+                    info.patches[p].name, label_list(sides[p].labels, info.label_names)));
   }
   if (options.side == LayerSide::kOutward) return selection;
   selection.is_part = all.size() > 1;
@@ -101,7 +103,7 @@ PatchSelection select_patches(const TetMesh& mesh, const BoundaryFaces& faces, c
   if (options.into == 0 && at_chosen.size() > 1)
     throw_bad_selection(fmt::format(
         "layers grow into one label at a time, but the patches are at {}; say which with `into` LABEL",
-        label_list(at_chosen, info)));
+        label_list(at_chosen, info.label_names)));
   if (options.into == 0 && !at_chosen.empty()) selection.into = *at_chosen.begin();
   return selection;
 }

@@ -187,30 +187,34 @@ std::set<Label> labels_of(const MixedMesh& mesh) {
   return labels;
 }
 
-std::string label_list(const std::set<Label>& labels, const MeshInfo& info) {
+std::string label_list(const std::set<Label>& labels, const std::map<Label, std::string>& names) {
   std::string list;
   for (const Label label : labels) {
     list += (list.empty() ? "" : ", ") + std::to_string(label);
-    const auto name = info.label_names.find(label);
-    if (name != info.label_names.end() && !name->second.empty()) list += " (" + name->second + ")";
+    const auto name = names.find(label);
+    if (name != names.end() && !name->second.empty()) list += " (" + name->second + ")";
   }
   return list;
 }
 
-std::set<Label> labels_called(const MixedMesh& mesh, std::span<const std::string> wanted) {
-  const std::set<Label> present = labels_of(mesh);
+std::set<Label> labels_called(std::span<const std::string> wanted, const std::set<Label>& present,
+                              const std::map<Label, std::string>& names) {
   std::set<Label> found;
   for (const std::string& word : wanted) {
     bool known = false;
-    for (const auto& [label, name] : mesh.info.label_names)
+    for (const auto& [label, name] : names)
       if (name == word && present.contains(label)) known = true, found.insert(label);
     const std::optional<Label> number = parse_number<Label>(word);
     if (!known && number && present.contains(*number)) known = true, found.insert(*number);
     if (!known)
       throw Error(ErrorKind::kBadInput,
-                  "no cell has the label " + word + "; labels present: " + label_list(present, mesh.info));
+                  "there is no label " + word + "; labels present: " + label_list(present, names));
   }
   return found;
+}
+
+std::set<Label> labels_called(std::span<const std::string> wanted, const MixedMesh& mesh) {
+  return labels_called(wanted, labels_of(mesh), mesh.info.label_names);
 }
 
 LabelPart part_of(const MixedMesh& mesh, const std::set<Label>& labels) {

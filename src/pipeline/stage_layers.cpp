@@ -1,8 +1,8 @@
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 #include <span>
 
 #include "lumesh/core/error.hpp"
@@ -55,19 +55,14 @@ void check_patches(CaseState& state) {
   }
 }
 
-/// The label that layers grow into, by its name or number; the background where the case names none.
-Label label_grown_into(const CaseState& state) {
-  const std::string& into = state.c.layers.into;
-  if (into.empty()) return kBackground;
-  std::vector<Label> labels = state.given.image ? state.given.image->values() : std::vector<Label>{1};
-  std::erase(labels, kBackground);
-  for (const Label label : labels)
-    if (into == std::to_string(label)) return label;
-  if (state.given.image)
-    for (const auto& [label, name] : state.given.image->label_names())
-      if (into == name && std::ranges::find(labels, label) != labels.end()) return label;
-  throw Error(ErrorKind::kBadInput, fmt::format("[layers] into: there will be no label {}; there will be: {}",
-                                                into, fmt::join(labels, ", ")));
+/// The options with the label that layers grow into.
+LayerOptions resolved_options(const CaseState& state) {
+  const std::optional<LabelImage>& image = state.given.image;
+  if (!image) return state.c.layers.resolved({1}, {});
+  std::set<Label> labels;
+  for (const Label label : image->values())
+    if (label != kBackground) labels.insert(label);
+  return state.c.layers.resolved(labels, image->label_names());
 }
 
 /// From one corner to the other of a box around all that can be meshed.
@@ -113,14 +108,13 @@ void check_layers(CaseState& state) {
   if (!state.c.layers.is_wanted()) return;
   naming(state.c.file.empty() ? "the case" : state.c.file, [&] {
     check_patches(state);
-    static_cast<void>(label_grown_into(state));
+    static_cast<void>(resolved_options(state));
     check_thickness(state);
   });
 }
 
 void make_layers(CaseState& state, report::StageReport& stage) {
-  LayerOptions options = state.c.layers.options;
-  options.into = label_grown_into(state);
+  const LayerOptions options = resolved_options(state);
   stage.what =
       options.side == LayerSide::kInward
           ? "Thin cells along the wall, for the flow: the mesh is deformed, and all of it fills what "

@@ -110,7 +110,7 @@ void take_labels(const CenterlineRequest& request, MixedMesh& mesh) {
                                                option_name("labels"), request.path));
   std::vector<std::string> wanted;
   for (const Label label : request.selection.labels) wanted.push_back(std::to_string(label));
-  naming(request.path, [&] { mesh = part_of(mesh, labels_called(mesh, wanted)).mesh; });
+  naming(request.path, [&] { mesh = part_of(mesh, labels_called(wanted, mesh)).mesh; });
 }
 
 CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& context) {

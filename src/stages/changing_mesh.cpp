@@ -60,7 +60,7 @@ ChangingMesh::ChangingMesh(MixedMesh input, const std::vector<std::string>& keep
     : input_(std::make_unique<MixedMesh>(std::move(input))), own_(*input_) {
   if (!keep.empty()) {
     if (input_->triangles.empty() && input_->quadrilaterals.empty()) extract_boundary(*input_);
-    naming(name, [&] { kept_.emplace(*input_, labels_called(*input_, keep)); });
+    naming(name, [&] { kept_.emplace(*input_, labels_called(keep, *input_)); });
   }
   changing_ = context.phase("build", [&] { return tetrahedra_of(given(), name); });
 }

@@ -48,7 +48,7 @@ MixedMesh convert_mesh(const ConversionRequest& request, Context& context) {
   if (!request.only_labels.empty())
     mesh = context.phase("labels", [&] {
       return naming(request.from,
-                    [&] { return part_of(mesh, labels_called(mesh, separate(request.only_labels))).mesh; });
+                    [&] { return part_of(mesh, labels_called(separate(request.only_labels), mesh)).mesh; });
     });
   write_mesh(request.output, mesh.view(), context);
   warn_of_names(request.output.mesh, mesh.view(), context);

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <optional>
-#include <set>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
@@ -36,13 +35,6 @@ void take_layer_label(const std::string& text, LayerOptions& options) {
 std::string layer_label_text(const LayerOptions& options) {
   const std::string number = options.label == 0 ? "" : std::to_string(options.label);
   return options.label_name + (options.label_name.empty() || number.empty() ? "" : "=") + number;
-}
-
-Label label_called(const MixedMesh& mesh, const std::string& name) {
-  const std::set<Label> labels = labels_called(mesh, std::array{name});
-  if (labels.size() > 1)
-    throw Error(ErrorKind::kBadInput, fmt::format("several labels are called {}; give a number", name));
-  return *labels.begin();
 }
 
 }  // namespace
@@ -86,9 +78,16 @@ void LayersAndExtension::require_held_by(const std::string& path) const {
                             formats_for(FileUse::kWriteMixed), option_name("cells")));
 }
 
-LayerOptions LayerRequest::resolved(const MixedMesh& mesh) const {
+LayerOptions LayerRequest::resolved(const std::set<Label>& present,
+                                    const std::map<Label, std::string>& names) const {
   LayerOptions result = options;
-  if (!into.empty()) result.into = naming(option_name("into"), [&] { return label_called(mesh, into); });
+  if (into.empty()) return result;
+  naming(option_name("into"), [&] {
+    const std::set<Label> called = labels_called(std::array{into}, present, names);
+    if (called.size() > 1)
+      throw Error(ErrorKind::kBadInput, fmt::format("several labels are called {}; give a number", into));
+    result.into = *called.begin();
+  });
   return result;
 }
 

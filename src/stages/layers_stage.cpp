@@ -9,6 +9,7 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/layers/extrusion.hpp"
+#include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/tetrahedral_split.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/metric_input.hpp"
@@ -84,7 +85,8 @@ LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const
 
 LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const LayerRequest& request,
                            Context& context) {
-  const LayerOptions options = naming(name, [&] { return request.resolved(mesh); });
+  const LayerOptions options =
+      naming(name, [&] { return request.resolved(labels_of(mesh), mesh.info.label_names); });
   if (options.patches.empty()) warn_of_walled_ends(name, mesh, context);
   return grow_layers_on(mesh, name, options, context);
 }

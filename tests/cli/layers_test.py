@@ -195,7 +195,7 @@ class LayersTest(MeshTest):
             self.assert_refused(self.run_lumesh("layers", mesh, "-o", self.out, "--side", side, *options), BAD_INPUT, "has no free side")
         self.assert_refused(self.run_lumesh("layers", mesh, "-o", self.out, "--into", second, *options), USAGE, "--side inward")
         self.assert_refused(self.run_lumesh("layers", mesh, "-o", self.out, "--side", "inward", "--into", 99, *options), BAD_INPUT,
-                            "no cell has the label 99")
+                            "there is no label 99")
         self.run_well("layers", mesh, "-o", self.out, "--side", "inward", "--into", second, *options)
         found = self.evaluate(self.out)
         self.assertTrue(found["valid"])

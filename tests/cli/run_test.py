@@ -553,7 +553,7 @@ class LayersTest(CaseTest):
             (["layers.side=up"], "must be one of \"outward\", \"inward\""),
             (["layers.first_height=1e6"], "more than the input is wide"),
             (["layers.patches=door"], "there will be no patch door"),
-            (["layers.side=inward", "layers.into=9"], "there will be no label 9"),
+            (["layers.side=inward", "layers.into=9"], "[layers] into: there is no label 9; labels present: 1"),
             (["layers.cells=prisms", "output.meshes=a.xdmf"], "a.xdmf holds tetrahedra only"),
             (["mesher=lattice", "lattice.mixed=true", "output.meshes=a.xdmf"], "not the hexahedra of [lattice] mixed"),
             (["mesher=lattice", "lattice.mixed=true", "layers.side=inward"], "layers cannot deform with [layers] side"),
@@ -565,6 +565,17 @@ class LayersTest(CaseTest):
                 result = self.run_lumesh("run", self.case, "-o", self.out, *arguments)
                 self.assert_refused(result, BAD_INPUT, words)
                 self.assertNotIn("mesh ", result.stdout)
+
+    def test_a_name_of_two_labels_is_refused_as_by_the_command_layers(self):
+        image, case = self.folder / "two.nrrd", self.folder / "two.toml"
+        voxels = [1 + (i > 5) if 2 <= min(i, j, k) and max(i, j, k) <= 9 else 0
+                  for k in range(12) for j in range(12) for i in range(12)]
+        nrrd.write(image, [12, 12, 12], voxels)
+        names = "".join(f"Segment{i}_LabelValue:={i + 1}\nSegment{i}_Name:=2\n" for i in range(2))
+        image.write_bytes(image.read_bytes().replace(b"\n\n", f"\n{names}\n".encode(), 1))
+        case.write_text(f'[input]\nimage = "{image}"\n[layers]\nfirst_height = 0.1\nside = "inward"\ninto = "2"\n')
+        result = self.run_lumesh("run", case, "-o", self.out)
+        self.assert_refused(result, BAD_INPUT, "[layers] into: several labels are called 2; give a number")
 
     def test_the_example_can_be_run(self):
         example = pathlib.Path(__file__).parents[2] / "examples" / "case3_flow_layers.toml"

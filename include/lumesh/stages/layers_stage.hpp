@@ -1,6 +1,8 @@
 #pragma once
 /// @file Boundary layers on meshes of every shape of cell, for every front end.
 
+#include <map>
+#include <set>
 #include <string>
 
 #include "lumesh/core/context.hpp"
@@ -21,9 +23,11 @@ struct LayerRequest {
   void describe(OptionList& list);
   /// @throws Error{kBadInput} or Error{kUsage} that names the option.
   void validate() const;
-  /// The options with the label that is deformed. @param info  Of the mesh that gets the layers.
-  /// @throws Error{kBadInput} that names the option for a label that is none.
-  [[nodiscard]] LayerOptions resolved(const MixedMesh& mesh) const;
+  /// The options with the label that is deformed. @param present, names  Labels of the mesh that gets the
+  /// layers, and their names. @throws Error{kBadInput} that names the option, for a label that is not present
+  /// and for a name that several have.
+  [[nodiscard]] LayerOptions resolved(const std::set<Label>& present,
+                                      const std::map<Label, std::string>& names) const;
 };
 
 /// Additions to a finished mesh at its surface: layers, extensions of its openings, or both.

@@ -2,6 +2,7 @@
 /// @file Parts of a mesh by their labels.
 
 #include <cstdint>
+#include <map>
 #include <set>
 #include <span>
 #include <string>
@@ -18,11 +19,16 @@ namespace lumesh {
 [[nodiscard]] std::set<Label> labels_of(const MixedMesh& mesh);
 
 /// For messages: "1 (lumen), 2".
-[[nodiscard]] std::string label_list(const std::set<Label>& labels, const MeshInfo& info);
+[[nodiscard]] std::string label_list(const std::set<Label>& labels,
+                                     const std::map<Label, std::string>& names);
 
-/// Labels by their names or numbers; a name that several labels have means all of them.
-/// @throws Error{kBadInput} for one that no cell has; it lists those there are.
-[[nodiscard]] std::set<Label> labels_called(const MixedMesh& mesh, std::span<const std::string> wanted);
+/// Labels among those present by their names, or by their numbers where none has that name; a name that
+/// several labels have means all of them.
+/// @throws Error{kBadInput} for one that is not present; it lists those that are.
+[[nodiscard]] std::set<Label> labels_called(std::span<const std::string> wanted,
+                                            const std::set<Label>& present,
+                                            const std::map<Label, std::string>& names);
+[[nodiscard]] std::set<Label> labels_called(std::span<const std::string> wanted, const MixedMesh& mesh);
 
 struct LabelPart {
   MixedMesh mesh;

@@ -237,11 +237,11 @@ TEST(Merge, TheSameForEveryNumberOfThreads) {
 TEST(Parts, LabelsAreCalledByNamesOrNumbers) {
   MixedMesh mesh = fixtures::mixed_of(fixtures::two_label_block(2).build());
   mesh.info.label_names = {{2, "wall"}, {5, "plaque"}};
-  EXPECT_EQ(labels_called(mesh, std::vector<std::string>{"wall"}), (std::set<Label>{2}));
-  EXPECT_EQ(labels_called(mesh, std::vector<std::string>{"1", "wall"}), (std::set<Label>{1, 2}));
+  EXPECT_EQ(labels_called(std::vector<std::string>{"wall"}, mesh), (std::set<Label>{2}));
+  EXPECT_EQ(labels_called(std::vector<std::string>{"1", "wall"}, mesh), (std::set<Label>{1, 2}));
   for (const std::string unknown : {"plaque", "3", ""}) {
     try {
-      static_cast<void>(labels_called(mesh, std::vector<std::string>{unknown}));
+      static_cast<void>(labels_called(std::vector<std::string>{unknown}, mesh));
       ADD_FAILURE() << unknown;
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("labels present: 1, 2 (wall)"), std::string::npos);
