@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "file_fault.hpp"
+#include "lumesh/io/new_folder.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/mesh/patch_words.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
@@ -61,27 +62,6 @@ void write_header(OutputFile& file, std::string_view content, std::string_view o
   if (!note.empty()) file.print("    note        \"{}\";\n", note);
   file.print("    location    \"{}\";\n    object      {};\n}}\n\n", location, object);
 }
-
-/// A folder that goes away again if nothing stays in it.
-class NewFolder {
- public:
-  explicit NewFolder(fs::path path) : path_(std::move(path)) {
-    std::error_code fault;
-    is_new_ = fs::create_directory(path_, fault);
-    if (fault) fail(path_, fmt::format("cannot be made ({})", fault.message()));
-  }
-  ~NewFolder() {
-    std::error_code is_in_use;
-    if (is_new_) fs::remove(path_, is_in_use);
-  }
-  NewFolder(const NewFolder&) = delete;
-  NewFolder& operator=(const NewFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-  bool is_new_ = false;
-};
 
 /// The files of a case, which appear together when all are complete.
 class CaseFiles {

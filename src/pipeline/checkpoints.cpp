@@ -76,6 +76,8 @@ bool Checkpoints::has(CaseStage stage, const std::string& key) const {
 void Checkpoints::keep(CaseStage stage, const CaseState& state, const report::StageReport& report,
                        const std::string& key) const {
   if (folder_.empty()) return;
+  std::error_code told_by_the_writer;
+  std::filesystem::create_directories(folder_, told_by_the_writer);
   const std::filesystem::path file = file_of(stage);
   if (stage == CaseStage::kCenterline) {
     write_polylines(file, state.centerline, state.info());

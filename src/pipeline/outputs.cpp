@@ -10,6 +10,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/new_folder.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/length_unit.hpp"
@@ -158,11 +159,12 @@ std::filesystem::path folder_of_stage_files(const CaseState& state) {
 
 }  // namespace
 
-void prepare_folder(const Case& c) {
+void check_outputs(const Case& c) {
   check_inputs(c);
   const std::filesystem::path folder = folder_of(c);
-  make_folder(folder);
-  if (c.run.checkpoints) make_folder(folder / "checkpoints");
+  const io::NewFolder tried = naming(
+      "[output] folder", [&] { return io::NewFolder(c.run.checkpoints ? folder / "checkpoints" : folder); });
+  for (const std::filesystem::path& one : {folder, tried.path()}) make_folder(one);
   std::vector<std::string> inputs = {c.file};
   for (const CaseFileRead& file : files_read_by(c)) inputs.push_back(file.path);
   for (const std::string& name : names_of_files(c)) {

@@ -32,10 +32,10 @@ void describe_layers(const CaseState& state, const std::optional<quality::Evalua
 /// Refuses points and velocities that are not there. @throws Error{kBadInput}.
 void check_inputs(const Case& c);
 
-/// The same, and refuses a folder that cannot be written to, and names that would replace an
-/// input; makes the folder.
+/// The same, and refuses a folder that cannot be made or written to, and names that would replace an input.
+/// Leaves no new folder: the first file makes it, so that none stays empty however a run ends.
 /// @throws Error{kBadInput}.
-void prepare_folder(const Case& c);
+void check_outputs(const Case& c);
 
 /// The mesh in all formats that are wanted, its surface, and the case as it was run; each with what it is.
 [[nodiscard]] std::vector<report::OutputFile> write_meshes(const CaseState& state,

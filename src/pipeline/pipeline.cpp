@@ -273,7 +273,7 @@ std::vector<Case> cases_of_frames(const Case& c) {
 }
 
 CaseResult run_case(const Case& c, bool resumes, Context& context) {
-  pipeline::prepare_folder(c);
+  pipeline::check_outputs(c);
   pipeline::CaseRun run(c, resumes, context);
   run.read_input();
   if (c.needs_centerline()) run.make_centerline();

@@ -239,7 +239,7 @@ TEST_F(WholeCase, AStopInAnyPhaseLeavesAValidMeshOrNothing) {
     } catch (const parallel::Cancelled&) {
       ++stopped;
       EXPECT_FALSE(keeps);
-      EXPECT_TRUE(std::filesystem::is_empty(folder_)) << wanted;
+      EXPECT_FALSE(std::filesystem::exists(folder_)) << wanted;
     }
   }
   EXPECT_GT(stopped, 0);
@@ -262,6 +262,20 @@ TEST_F(WholeCase, APatchForLayersThatCannotBeIsRefusedBeforeAnyMesh) {
         << error.what();
   }
   EXPECT_TRUE(said.empty());
+}
+
+TEST_F(WholeCase, ARefusedRunLeavesNoNewEmptyFolder) {
+  case_.layers.options.first_height = 0.3;
+  case_.layers.options.patches = {"walls"};
+  case_.run.checkpoints = true;
+  const std::filesystem::path old = folder_ / "old";
+  std::filesystem::create_directories(old);
+  for (const char* name : {"new/inner", "old"}) {
+    case_.output.folder = (folder_ / name).string();
+    EXPECT_THROW(run(), Error);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new"));
+  EXPECT_TRUE(std::filesystem::is_empty(old));
 }
 
 TEST_F(WholeCase, AFolderThatCannotBeMadeIsRefusedBeforeAnyWork) {
