@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <limits>
 #include <new>
+#include <span>
 
 #include "commands.hpp"
 #include "common.hpp"
@@ -42,16 +44,46 @@ void keep_freed_memory() {
 #endif
 }
 
+std::string unknown_text(const char* what, const std::string& word, const std::vector<std::string>& known) {
+  const std::string nearest = lumesh::nearest_word(word, known);
+  return fmt::format("unknown {} \"{}\"", what, word) +
+         (nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest));
+}
+
 /// The parser speaks of arguments that it did not expect; this says which word is wrong.
 void check_command(const CLI::App& program, const std::string& word) {
   std::vector<std::string> known;
   for (const CLI::App* command : program.get_subcommands({})) known.push_back(command->get_name());
   if (word.starts_with('-') || std::ranges::find(known, word) != known.end()) return;
-  std::string message = "unknown command \"" + word + "\"";
-  const std::string nearest = lumesh::nearest_word(word, known);
-  if (!nearest.empty()) message += "; did you mean \"" + nearest + "\"?";
-  for (const std::string& name : known) message += (name == known.front() ? " (commands: " : ", ") + name;
-  throw lumesh::Error(lumesh::ErrorKind::kUsage, message + ")");
+  throw lumesh::Error(
+      lumesh::ErrorKind::kUsage,
+      fmt::format("{} (commands: {})", unknown_text("command", word, known), fmt::join(known, ", ")));
+}
+
+/// Message on words that the parser refuses. Whatever else it misses, an unknown option goes first: a
+/// required one may be missing for being misspelt. Numbers below 0 are values.
+std::string message_of(const CLI::ParseError& error, const CLI::App& program,
+                       std::span<const char* const> words) {
+  const std::vector<CLI::App*> commands = program.get_subcommands();
+  const CLI::App& command = commands.empty() ? program : *commands.front();
+  const std::string help = fmt::format(" (lumesh {}--help lists those there are)",
+                                       commands.empty() ? "" : command.get_name() + " ");
+  for (const std::string word : words) {
+    if (word == "--") break;
+    if (word.size() < 2 || word[0] != '-' ||
+        std::string_view("0123456789.").find(word[1]) != std::string::npos)
+      continue;
+    const std::string name = word.substr(0, word.starts_with("--") ? word.find('=') : 2);
+    if (command.get_option_no_throw(name) != nullptr) continue;
+    std::vector<std::string> known;
+    for (const CLI::Option* option : command.get_options())
+      for (const std::string& long_name : option->get_lnames())
+        if (name.size() > 2) known.push_back("--" + long_name);  // Every letter is like another one.
+    return unknown_text("option", name, known) + help;
+  }
+  const std::vector<std::string> extra = program.remaining(true);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || extra.empty()) return error.what();
+  return fmt::format("unexpected argument \"{}\"{}", extra.front(), help);
 }
 
 /// With options as the command that runs has them.
@@ -68,7 +100,8 @@ int run(lumesh::cli::Program& program, int argc, char** argv) {
                                       [&] { program.parse(argc, argv); });
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
-    return report_error(error.what(), exit_code_of(lumesh::ErrorKind::kUsage));
+    return report_error(message_of(error, program, {argv + 1, static_cast<std::size_t>(argc - 1)}).c_str(),
+                        exit_code_of(lumesh::ErrorKind::kUsage));
   } catch (const lumesh::Error& error) {
     return report_error(message_of(error, program).c_str(), exit_code_of(error.kind()));
   } catch (const lumesh::parallel::Cancelled&) {

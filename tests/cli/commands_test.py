@@ -110,6 +110,20 @@ class OptionsTest(CommandTest):
         self.assert_refused(result, USAGE, '"mesh"', "phantom, info, check, repair, lattice, delaunay, metric, adapt, improve, layers, merge, evaluate, centerline, convert")
         self.assertNotIn("did you mean", result.stderr)
 
+    def test_an_unknown_option_is_named_with_the_nearest_one_whatever_else_is_missing(self):
+        for words, wrong, right in ((["lattice", "p.nrrd", "--outpt", "o.vtu"], "--outpt", "--output"),
+                                    (["adapt", "p.vtu", "-o", "o.vtu", "--time_limit=3"], "--time_limit", "--time-limit"),
+                                    (["--versio"], "--versio", "--version")):
+            with self.subTest(wrong):
+                self.assert_refused(self.run_lumesh(*words), USAGE, f'unknown option "{wrong}"; did you mean "{right}"?', "--help")
+        for words, message in ((["adapt", "p.vtu", "-o", "o.vtu", "--bogus", 3], 'unknown option "--bogus" (lumesh adapt --help'),
+                               (["adapt", "p.vtu", "-o", "o.vtu", "-z"], 'unknown option "-z"'),
+                               (["adapt", "a.vtu", "b.vtu", "c.vtu", "-o", "d.vtu"], 'unexpected argument "b.vtu"'),
+                               (["lattice", "p.nrrd", "-o", "o.vtu", "--max-tetrahedra"], "--max-tetrahedra: 1 required"),
+                               (["lattice", "p.nrrd"], "--output is required")):
+            with self.subTest(message):
+                self.assert_refused(self.run_lumesh(*words), USAGE, message)
+
     def test_outputs_that_cannot_be_written_are_refused_before_the_work(self):
         self.make_mesh()
         nowhere = self.folder / "nodir" / "x"
