@@ -1,6 +1,7 @@
 #include "patch_selection.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -34,9 +35,8 @@ std::vector<PatchSides> sides_of_patches(const TetMesh& mesh, const BoundaryFace
 
 std::size_t wanted_patch(const std::string& name, const MeshInfo& info) {
   if (const std::size_t p = patch_called(info.patches, name); p < info.patches.size()) return p;
-  std::string known;
-  for (const Patch& patch : info.patches) known += " " + patch.name;
-  throw_bad_selection(fmt::format("there is no patch {}; it has:{}", name, known));
+  throw_bad_selection(
+      fmt::format("there is no patch {}; there are {}", name, fmt::join(names_of(info.patches), ", ")));
 }
 
 /// Patches named, or all walls there are on that side.
@@ -59,13 +59,13 @@ std::vector<std::uint8_t> chosen_patches(const MeshInfo& info, const std::vector
       chosen[p] =
           info.patches[p].kind == PatchKind::kWall && !sides[p].has_inner_faces && is_at_label(p) ? 1 : 0;
   if (std::ranges::find(chosen, 1) == chosen.end()) {
-    std::string known;
+    std::vector<std::string> known;
     for (std::size_t p = 0; p < chosen.size(); ++p)
-      if (is_at_label(p)) known += " " + info.patches[p].name;
+      if (is_at_label(p)) known.push_back(info.patches[p].name);
     throw_bad_selection(fmt::format(
-        "there is no wall for layers{}; name patches with `patch`, of:{}",
+        "there is no wall for layers{}; name patches with `patch`, of {}",
         options.into == 0 ? "" : fmt::format(" at label {}", label_list({options.into}, info.label_names)),
-        known));
+        fmt::join(known, ", ")));
   }
   return chosen;
 }

@@ -105,12 +105,6 @@ const NamedOpening& opening_of_area(double area, std::span<const NamedOpening> o
   return *found;
 }
 
-std::vector<std::string> names_of(const MeshInfo& info) {
-  std::vector<std::string> names;
-  for (const Patch& patch : info.patches) names.push_back(patch.name);
-  return names;
-}
-
 bool takes_kind(const Patch& patch, const PatchRenaming& renaming) {
   return !renaming.kind || patch.kind != PatchKind::kInterface;
 }
@@ -121,7 +115,7 @@ std::string text_of_interface(const PatchRenaming& renaming) {
 
 std::string text_of_missing(const MeshInfo& info, const PatchRenaming& renaming) {
   return fmt::format("the mesh has no patch {} to call {}; it has {}", renaming.patch, renaming.name,
-                     fmt::join(names_of(info), ", "));
+                     fmt::join(names_of(info.patches), ", "));
 }
 
 void set_name_and_kind(const PatchRenaming& renaming, Patch& patch) {

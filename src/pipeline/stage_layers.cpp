@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <numeric>
@@ -47,10 +48,9 @@ void check_patches(CaseState& state) {
     // How many openings there are only the mesh tells.
     if ((state.given.image && is_opening_name(name)) || std::ranges::find(possible, name) != possible.end())
       continue;
-    std::string known;
-    for (const std::string& one : possible) known += " " + one;
     throw Error(ErrorKind::kBadInput,
-                fmt::format("[layers] patches: there will be no patch {}; there will be:{}{}", name, known,
+                fmt::format("[layers] patches: there will be no patch {}; there will be {}{}", name,
+                            fmt::join(possible, ", "),
                             state.given.image ? " and inlet_1, outlet_1, … where it has openings" : ""));
   }
 }

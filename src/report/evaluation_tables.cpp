@@ -261,7 +261,7 @@ std::string boundary_section(const Evaluation& e) {
   }
   std::string note =
       fmt::format("{}, {}; {} of genus {}, {} triangles.", b.closed() ? "Closed" : "Open",
-                  b.manifold() ? "manifold" : "not manifold", counted(b.components.size(), "piece"),
+                  b.manifold() ? "manifold" : "not manifold", counted(b.components.size(), "component"),
                   b.genus() < 0 ? "–" : std::to_string(b.genus()), grouped(b.triangles));
   if (!b.manifold())
     note += fmt::format(" {} open edges, {} non-manifold edges, {} non-manifold vertices.", b.open_edges,

@@ -21,6 +21,12 @@ namespace lumesh {
   return patch_called(patches, name) < patches.size();
 }
 
+[[nodiscard]] inline std::vector<std::string> names_of(std::span<const Patch> patches) {
+  std::vector<std::string> names;
+  for (const Patch& patch : patches) names.push_back(patch.name);
+  return names;
+}
+
 /// A name that no patch has: the wanted one, or with a number behind it.
 [[nodiscard]] inline std::string free_patch_name(const std::vector<Patch>& patches,
                                                  const std::string& wanted) {

@@ -387,7 +387,7 @@ TEST(Layers, RefuseWhatCannotBe) {
     }
     return "accepted";
   };
-  EXPECT_NE(fault({.patches = {"door"}, .first_height = 1, .count = 1}).find("no patch door; it has: wall"),
+  EXPECT_NE(fault({.patches = {"door"}, .first_height = 1, .count = 1}).find("no patch door; there are wall"),
             std::string::npos);
   EXPECT_NE(fault({.first_height = 0, .count = 1}).find("`first_height` is missing"), std::string::npos);
   EXPECT_NE(fault({.first_height = -1, .count = 1}).find("`first_height` must be greater than 0"),
