@@ -1,16 +1,20 @@
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 #include "lumesh/core/error.hpp"
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/lattice/lattice.hpp"
+#include "lumesh/stages/first_mesh.hpp"
 #include "stages.hpp"
 
 namespace lumesh::pipeline {
 namespace {
 
-void tell_sealed_pieces(const MeshView& mesh, const CaseState& state, report::StageReport& stage) {
-  if (std::string line = state.given.sealed_pieces(mesh); !line.empty())
-    stage.warnings.push_back(std::move(line));
+void add_warnings(FirstMeshRemarks remarks, report::StageReport& stage) {
+  std::ranges::move(remarks.warnings, std::back_inserter(stage.warnings));
 }
 
 void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
@@ -18,10 +22,7 @@ void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
       "A first mesh of good shapes on a lattice that is fitted to the image: what the metric is given on.";
   LatticeResult result = mesh_lattice(*state.given.image, *state.given.domain_of_image(),
                                       state.c.lattice_options(), state.context);
-  for (const std::string& note : result.report.notes) stage.warnings.push_back(note);
-  for (std::string& line : state.given.differences_from_lattice(result.mesh.view()))
-    stage.warnings.push_back(std::move(line));
-  tell_sealed_pieces(result.mesh.view(), state, stage);
+  add_warnings(remarks_on(result, state.given), stage);
   if (state.c.makes_mixed_mesh())
     state.mixed = std::move(result.mesh);
   else
@@ -37,11 +38,9 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
   request.improvement.team.threads = state.threads();
   DelaunayMesh made = naming(
       state.given.name, [&] { return make_delaunay_mesh(domain, request, sizing.get(), state.context); });
-  state.mesh = std::move(made.mesh);
   state.is_complete = state.is_complete && made.is_complete;
-  for (const std::string& note : made.report.notes) stage.warnings.push_back(note);
-  if (sizing)
-    for (const std::string& warning : sizing->warnings()) stage.warnings.push_back(warning);
+  add_warnings(remarks_on(made, made.mesh.boundary_faces(), sizing.get(), state.given), stage);
+  state.mesh = std::move(made.mesh);
   if (made.improved) {
     const DihedralRange &before = made.improved->before, &after = made.improved->after;
     stage.figures.push_back({"Smallest dihedral angle", after.min_deg, "°",
@@ -49,10 +48,6 @@ void mesh_by_delaunay(CaseState& state, report::StageReport& stage) {
     stage.figures.push_back({"Largest dihedral angle", after.max_deg, "°",
                              fmt::format("before improvement: {:.2f}", before.max_deg)});
   }
-  const BoundaryFaces faces = state.mesh.boundary_faces();
-  for (std::string& line : state.given.differences_from(state.mesh, faces))
-    stage.warnings.push_back(std::move(line));
-  tell_sealed_pieces(state.mesh.view(faces), state, stage);
 }
 
 }  // namespace

@@ -12,16 +12,19 @@ std::vector<PatchRenaming> renamings_for(const OpeningRequest& request, DomainRe
   return naming(option_name("name"), [&] { return request.renamings(given.openings(), given.beginnings()); });
 }
 
-void warn_of_mesher(const std::vector<std::string>& notes, const FirstMeshInput& input,
-                    const Context& context) {
-  for (const std::string& note : notes) context.warn(note);
-  if (!input.closed_vessels.empty()) context.warn(input.closed_vessels);
+FirstMeshRemarks remarks_of(std::vector<std::string> notes, std::vector<std::string> differences,
+                            std::string sealed_pieces) {
+  FirstMeshRemarks remarks{std::move(differences), std::move(notes)};
+  remarks.warnings.insert(remarks.warnings.end(), remarks.differences.begin(), remarks.differences.end());
+  if (!sealed_pieces.empty()) remarks.warnings.push_back(std::move(sealed_pieces));
+  return remarks;
 }
 
-void warn_of_differences(const std::vector<std::string>& differences, const MeshView& mesh,
-                         const DomainRead& given, const Context& context) {
-  for (const std::string& line : differences) context.warn(line);
-  if (const std::string line = given.sealed_pieces(mesh); !line.empty()) context.warn(line);
+FirstMeshComparison compared(FirstMeshRemarks remarks, const MeshView& mesh, const Domain& domain,
+                             FirstMeshInput& input, Context& context) {
+  if (!input.closed_vessels.empty()) context.warn(input.closed_vessels);
+  for (const std::string& line : remarks.warnings) context.warn(line);
+  return {std::move(remarks.differences), checked_openings(mesh, domain, input.given.openings(), context)};
 }
 
 }  // namespace
@@ -70,26 +73,30 @@ DelaunayFileMesh make_delaunay_mesh(const DelaunayFileRequest& request, const Ma
   return {std::move(input), std::move(sizing), std::move(made), std::move(faces)};
 }
 
+FirstMeshRemarks remarks_on(const LatticeResult& made, DomainRead& given) {
+  const MeshView mesh = made.mesh.view();
+  return remarks_of(made.report.notes, given.differences_from_lattice(mesh), given.sealed_pieces(mesh));
+}
+
+FirstMeshRemarks remarks_on(const DelaunayMesh& made, const BoundaryFaces& faces, const Sizing* sizing,
+                            DomainRead& given) {
+  std::vector<std::string> notes = made.report.notes;
+  if (sizing != nullptr)
+    for (const std::string& warning : sizing->warnings()) notes.push_back(warning);
+  return remarks_of(std::move(notes), given.differences_from(made.mesh, faces),
+                    given.sealed_pieces(made.mesh.view(faces)));
+}
+
 FirstMeshComparison compare_with_input(LatticeMesh& mesh, Context& context) {
   DomainRead& given = mesh.input.given;
-  const MeshView view = mesh.made.mesh.view();
-  warn_of_mesher(mesh.made.report.notes, mesh.input, context);
-  FirstMeshComparison compared{given.differences_from_lattice(view), {}};
-  warn_of_differences(compared.differences, view, given, context);
-  compared.openings = checked_openings(view, *given.domain_of_image(), given.openings(), context);
-  return compared;
+  return compared(remarks_on(mesh.made, given), mesh.made.mesh.view(), *given.domain_of_image(), mesh.input,
+                  context);
 }
 
 FirstMeshComparison compare_with_input(DelaunayFileMesh& mesh, Context& context) {
   DomainRead& given = mesh.input.given;
-  const MeshView view = mesh.made.mesh.view(mesh.faces);
-  warn_of_mesher(mesh.made.report.notes, mesh.input, context);
-  FirstMeshComparison compared{given.differences_from(mesh.made.mesh, mesh.faces), {}};
-  warn_of_differences(compared.differences, view, given, context);
-  compared.openings = checked_openings(view, given.domain(), given.openings(), context);
-  if (mesh.sizing)
-    for (const std::string& warning : mesh.sizing->warnings()) context.warn(warning);
-  return compared;
+  return compared(remarks_on(mesh.made, mesh.faces, mesh.sizing.get(), given),
+                  mesh.made.mesh.view(mesh.faces), given.domain(), mesh.input, context);
 }
 
 }  // namespace lumesh

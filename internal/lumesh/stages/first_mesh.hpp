@@ -57,6 +57,16 @@ struct DelaunayFileMesh {
 [[nodiscard]] DelaunayFileMesh make_delaunay_mesh(const DelaunayFileRequest& request, const Making& making,
                                                   Context& context);
 
+struct FirstMeshRemarks {
+  std::vector<std::string> differences;  ///< Lines on differences from the image or surface.
+  std::vector<std::string> warnings;     ///< Notes of the mesher and its sizes, these lines, sealed pieces.
+};
+/// Remarks on a first mesh, for those who made it to warn of.
+[[nodiscard]] FirstMeshRemarks remarks_on(const LatticeResult& made, DomainRead& given);
+/// @param sizing  Null: no sizes from place to place.
+[[nodiscard]] FirstMeshRemarks remarks_on(const DelaunayMesh& made, const BoundaryFaces& faces,
+                                          const Sizing* sizing, DomainRead& given);
+
 /// Comparison of a first mesh with its input.
 struct FirstMeshComparison {
   std::vector<std::string> differences;  ///< Lines on differences from the image or surface.
