@@ -6,10 +6,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <set>
 
-#include "lumesh/io/link_target.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/output_checks.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_parts.hpp"
@@ -42,22 +41,10 @@ std::string given_options(const CLI::App& command) {
   return all;
 }
 
-/// Where an output goes: links are followed.
-std::filesystem::path target_of(const std::filesystem::path& path) {
-  std::error_code failed;
-  const std::filesystem::path target = std::filesystem::weakly_canonical(io::link_target(path), failed);
-  if (failed) throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written: " + failed.message());
-  if (std::filesystem::is_regular_file(target, failed) && std::filesystem::is_symlink(path, failed) &&
-      target.extension() != path.extension())
-    throw Error(ErrorKind::kBadInput,
-                path.string() + ": is a link to " + target.string() +
-                    ", a file of another kind, which would be replaced; remove the link");
-  return target;
-}
-
-/// Whether an output is wanted, and in a file.
-bool is_file(const std::filesystem::path& output) {
-  return !output.empty() && output != kStandardOutput;
+/// Outputs that are wanted, and in files.
+std::vector<std::string> files_among(std::vector<std::string> outputs) {
+  std::erase_if(outputs, [](const std::string& name) { return name.empty() || name == kStandardOutput; });
+  return outputs;
 }
 
 /// @throws Error{kUsage} for a file that holds something else.
@@ -214,43 +201,12 @@ void check_format(const std::string& path, FileUse use) {
   if (!path.empty()) require_format(path, use, ErrorKind::kUsage);
 }
 
-void check_inputs_stay(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs) {
-  std::error_code ignored;  // Of files that do not exist, which is told when they are read.
-  // All files of a folder are read, as of a DICOM series.
-  const auto is_read = [&](const std::filesystem::path& output, const std::string& input) {
-    if (std::filesystem::is_regular_file(input, ignored))
-      return std::filesystem::equivalent(output, input, ignored);
-    return std::filesystem::is_directory(input, ignored) && std::filesystem::exists(output, ignored) &&
-           std::filesystem::equivalent(std::filesystem::absolute(output).parent_path(), input, ignored);
-  };
-  for (const std::string& output : outputs)
-    for (const std::string& input : inputs)
-      if (is_file(output) && !input.empty() && is_read(output, input))
-        throw Error(ErrorKind::kUsage,
-                    output + ": is read as input and would be replaced; name another output");
+void check_output_folders(std::initializer_list<std::string> paths) {
+  io::check_output_folders(files_among(paths), ErrorKind::kUsage);
 }
 
-void check_output_folders(std::initializer_list<std::string> paths) {
-  std::set<std::filesystem::path> named;
-  for (const std::string& path : paths)
-    if (is_file(path) && !named.insert(target_of(std::filesystem::absolute(path).lexically_normal())).second)
-      throw Error(ErrorKind::kUsage, path + ": is named for two outputs; give each its own file");
-  for (std::filesystem::path path : paths) {
-    if (!is_file(path)) continue;
-    check_mesh_folder(path);
-    if (is_mesh_folder(path) && !path.has_filename()) path = path.parent_path();  // A slash at the end.
-    path = io::link_target(path);
-    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-    std::error_code ignored;
-    if (!std::filesystem::is_directory(folder, ignored))
-      throw Error(ErrorKind::kBadInput, path.string() + ": its folder does not exist; create it first");
-    const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-    if (std::filesystem::is_directory(status) && !is_mesh_folder(path))
-      throw Error(ErrorKind::kBadInput, path.string() + ": is a folder; give the name of a file");
-    const bool device = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-    if (!device && ::access(folder.c_str(), W_OK | X_OK) != 0)
-      throw Error(ErrorKind::kBadInput, path.string() + ": cannot be written; its folder is read-only");
-  }
+void check_inputs_stay(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs) {
+  io::check_inputs_stay(files_among(outputs), inputs, ErrorKind::kUsage);
 }
 
 void check_files(std::initializer_list<std::string> outputs, const std::vector<std::string>& inputs,

@@ -19,7 +19,7 @@ void check_file(const std::filesystem::path& path) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (!fs::exists(status)) fail(path, "no such file; check the path");
-  if (fs::is_directory(status)) fail(path, "is a folder; give the name of a file");
+  if (fs::is_directory(status)) fail(path, kIsFolder);
   if (!fs::is_regular_file(status)) fail(path, "is not a regular file");
   if (!std::ifstream(path, std::ios::binary)) fail(path, kNoPermission);
 }

@@ -19,6 +19,7 @@ namespace lumesh::io {
 /// @{
 inline constexpr char kNoPermission[] = "cannot be opened for reading; check its permissions";
 inline constexpr char kNotThere[] = "cannot be opened for reading; check the path";
+inline constexpr char kIsFolder[] = "is a folder; give the name of a file";
 inline constexpr char kNoFolder[] = "its folder does not exist; create it first";
 inline constexpr char kFlatImage[] = "is a {}-D image; lumesh needs a 3-D one";
 inline constexpr char kVolumesOfVectors[] = "has several volumes of {} values per voxel; save one of them";

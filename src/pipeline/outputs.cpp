@@ -11,6 +11,7 @@
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/new_folder.hpp"
+#include "lumesh/io/output_checks.hpp"
 #include "lumesh/io/polylines_file.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/length_unit.hpp"
@@ -165,23 +166,15 @@ void check_outputs(const Case& c) {
   const io::NewFolder tried = naming(
       "[output] folder", [&] { return io::NewFolder(c.run.checkpoints ? folder / "checkpoints" : folder); });
   for (const std::filesystem::path& one : {folder, tried.path()}) make_folder(one);
-  std::vector<std::string> inputs = {c.file};
+  std::vector<std::string> outputs, inputs;
+  for (const std::string& name : names_of_files(c)) outputs.push_back((folder / name).string());
   for (const CaseFileRead& file : files_read_by(c)) inputs.push_back(file.path);
-  for (const std::string& name : names_of_files(c)) {
-    check_mesh_folder(folder / name);
-    if (!is_mesh_folder(name) && std::filesystem::is_directory(folder / name))
-      throw Error(ErrorKind::kBadInput,
-                  (folder / name).string() + ": is a folder; set another name in [output]");
-    for (const std::string& input : inputs) {
-      std::error_code ignored;  // Of files that do not exist, which is told when they are read.
-      const bool is_run_again = input == c.file && name == kEffectiveCase;
-      if (!is_run_again && std::filesystem::is_regular_file(input, ignored) &&
-          std::filesystem::equivalent(folder / name, input, ignored))
-        throw Error(ErrorKind::kBadInput,
-                    (folder / name).string() +
-                        ": is read as input and would be replaced; set another [output] folder");
-    }
-  }
+  naming("[output]", [&] {
+    io::check_output_folders(outputs, ErrorKind::kBadInput);
+    io::check_inputs_stay(outputs, inputs, ErrorKind::kBadInput);
+    std::erase(outputs, (folder / kEffectiveCase).string());  // Which may be the case that is run again.
+    io::check_inputs_stay(outputs, {c.file}, ErrorKind::kBadInput);
+  });
 }
 
 std::vector<report::OutputFile> write_meshes(const CaseState& state, const std::filesystem::path& folder) {

@@ -394,6 +394,12 @@ class RunTest(CaseTest):
         (self.folder / "mesh.vtu").write_text("a surface")
         self.assert_refused(self.run_lumesh("run", self.case, "-o", self.folder), BAD_INPUT, "would be replaced")
 
+    def test_refuses_two_outputs_that_are_one_file_by_a_link(self):
+        self.case.write_text('[input]\nphantom = "sphere"\n[output]\nmeshes = ["a.vtu", "b.vtu"]\n')
+        self.out.mkdir()
+        (self.out / "b.vtu").symlink_to("a.vtu")
+        self.assert_refused(self.run_lumesh("run", self.case, "-o", self.out), BAD_INPUT, "b.vtu: is named for two outputs")
+
     def test_a_setting_needs_a_value(self):
         for setting in ("k", "metric=3"):
             self.assert_refused(self.run_lumesh("run", self.case, "--set", setting), USAGE, "SECTION.KEY=VALUE")
