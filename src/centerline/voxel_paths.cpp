@@ -4,6 +4,8 @@
 #include <queue>
 #include <unordered_map>
 
+#include "lumesh/image/simple_point.hpp"
+
 namespace lumesh::centerline {
 
 namespace {
@@ -28,12 +30,12 @@ double cost_of(const Lumen& lumen, PathCost kind, std::uint32_t a, std::uint32_t
 Steps::Steps(const Lumen& lumen) : lumen_(lumen), lengths_() {
   for (int n = 0; n < 27; ++n)
     lengths_[static_cast<std::size_t>(n)] =
-        offset(n).cast<double>().cwiseProduct(lumen.frame().spacing_mm).norm();
+        neighbour_step(n).cast<double>().cwiseProduct(lumen.frame().spacing_mm).norm();
 }
 
 bool Steps::reachable(const std::array<std::uint32_t, 27>& ids, int n) {
   constexpr std::array<int, 3> kStride = {1, 3, 9};
-  const Index3 to = offset(n);
+  const Index3 to = neighbour_step(n);
   std::array<int, 3> turns = {};
   int count = 0;
   for (int a = 0; a < 3; ++a)

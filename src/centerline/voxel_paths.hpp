@@ -28,7 +28,6 @@ class Steps {
 
  private:
   static constexpr int kSelf = 13;
-  [[nodiscard]] static Index3 offset(int n) { return {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1}; }
   [[nodiscard]] static bool reachable(const std::array<std::uint32_t, 27>& ids, int n);
 
   const Lumen& lumen_;

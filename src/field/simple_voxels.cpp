@@ -18,7 +18,7 @@ VoxelRole role_of(const LabelImage& image, const Index3& voxel) {
   const LabelImage::Index own = image.at(voxel);
   std::uint32_t same = 0;
   for (int n = 0; n < 27; ++n) {
-    const Index3 v = voxel + Index3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    const Index3 v = voxel + neighbour_step(n);
     if (n != kMiddle && image.at_nearest(v) == own) same |= 1U << n;
   }
   // Labels are 6-connected, the background 26-connected.

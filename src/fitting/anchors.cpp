@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "cube_keys.hpp"
+#include "lumesh/image/simple_point.hpp"
 
 namespace lumesh::fitting {
 
@@ -19,7 +20,7 @@ class SparsePoints {
   bool add(const Vec3& p) {
     const Index3 cell = cube_of(p, apart_mm_);
     for (int n = 0; n < 27; ++n) {
-      const auto found = cells_.find(cube_key(cell + Index3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1)));
+      const auto found = cells_.find(cube_key(cell + neighbour_step(n)));
       if (found == cells_.end()) continue;
       for (const Vec3& q : found->second) {
         if ((q - p).squaredNorm() < apart_mm_ * apart_mm_) return false;

@@ -13,6 +13,7 @@
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
+#include "lumesh/image/simple_point.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::fitting {
@@ -282,7 +283,7 @@ std::vector<Vec3> Fitter::candidates_around(std::uint32_t v) const {
   for (const double part : {0.0, 0.5, 1.0})
     for (const double reach : {0.15, 0.3, 0.6})
       for (int n = 0; n < 27; ++n) {
-        const Index3 direction(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+        const Index3 direction = neighbour_step(n);
         if (n != 13)
           candidates.emplace_back(own + part * way + reach * edge * direction.cast<double>().normalized());
       }

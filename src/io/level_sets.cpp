@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "file_fault.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/image/grey_values.hpp"
 #include "lumesh/parallel/sum.hpp"
 #include "raw_image.hpp"
@@ -53,41 +54,35 @@ template <class Value>
 class SlopeScan {
  public:
   SlopeScan(std::span<const Value> values, const ImageFrame& frame)
-      : values_(values), size_(frame.size.cast<std::size_t>()), spacing_(frame.spacing_mm) {}
+      : values_(values), size_(frame.size), spacing_(frame.spacing_mm) {}
 
-  [[nodiscard]] std::size_t rows() const { return size_.y() * size_.z(); }
+  [[nodiscard]] std::size_t rows() const { return grid_row_count(size_); }
 
   void scan_row(std::size_t row, SlopeCounts& found) const {
-    for (std::size_t x = 0; x < size_.x(); ++x) {
-      const std::size_t voxel = row * size_.x() + x;
-      const std::array<std::size_t, 3> at = {x, row % size_.y(), row / size_.y()};
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        if (at[axis] + 1 < size(axis) && is_negative(voxel) != is_negative(voxel + step(axis)))
-          found.add(slope(voxel, at));
-    }
+    for_each_step_from_row(size_, row, [&](std::size_t voxel, std::size_t next, std::size_t) {
+      if (is_negative(voxel) != is_negative(next)) found.add(slope(voxel));
+    });
   }
 
  private:
-  [[nodiscard]] std::size_t size(std::size_t axis) const { return size_[static_cast<Eigen::Index>(axis)]; }
-  [[nodiscard]] std::size_t step(std::size_t axis) const {
-    return axis == 0 ? 1 : axis == 1 ? size_.x() : size_.x() * size_.y();
-  }
   [[nodiscard]] bool is_negative(std::size_t voxel) const { return values_[voxel] < 0; }
-  [[nodiscard]] double slope(std::size_t voxel, const std::array<std::size_t, 3>& at) const {
+  [[nodiscard]] double slope(std::size_t voxel) const {
+    const Index3 at = grid_place(size_, voxel);
     double squares = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t back = at[axis] > 0 ? step(axis) : 0, on = at[axis] + 1 < size(axis) ? step(axis) : 0;
-      const double rise =
-          static_cast<double>(values_[voxel + on]) - static_cast<double>(values_[voxel - back]);
-      const double steps = (back > 0 ? 1 : 0) + (on > 0 ? 1 : 0);
-      const double per_mm = rise / (steps * spacing_[static_cast<Eigen::Index>(axis)]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto value = [&](int by) {
+        return static_cast<double>(
+            values_[grid_offset(size_, nearest_place(size_, at + by * Index3::Unit(axis)))]);
+      };
+      const int steps = (at[axis] > 0 ? 1 : 0) + (at[axis] + 1 < size_[axis] ? 1 : 0);
+      const double per_mm = (value(1) - value(-1)) / (steps * spacing_[axis]);
       squares += per_mm * per_mm;
     }
     return std::sqrt(squares);
   }
 
   std::span<const Value> values_;
-  Eigen::Matrix<std::size_t, 3, 1> size_;
+  Index3 size_;
   Vec3 spacing_;
 };
 

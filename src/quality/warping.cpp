@@ -18,10 +18,6 @@ constexpr std::size_t kMaxClusters = 1000;              // More are noise: it is
 constexpr std::size_t kMaxBricks = std::size_t{1} << 26;
 constexpr std::size_t kMaxPoints = std::size_t{1} << 27;
 
-Index3 step(int n) {  // to one of the 27 around
-  return {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-}
-
 /// Points of a grid in bricks of 16^3 that exist where something was set. Each has bits and a number.
 class PointGrid {
  public:
@@ -69,7 +65,7 @@ class PointGrid {
                << n;
       return set;
     }
-    for (int n = 0; n < 27; ++n) set |= static_cast<std::uint32_t>(has(p + step(n), bit)) << n;
+    for (int n = 0; n < 27; ++n) set |= static_cast<std::uint32_t>(has(p + neighbour_step(n), bit)) << n;
     return set;
   }
   [[nodiscard]] std::size_t size() const { return points_.size(); }
@@ -227,7 +223,7 @@ class Warping {
         if (!is_simple_point(around(p))) continue;
         grid_.bits(grid_.at(p)) ^= PointGrid::kHas;
         for (int n = 0; n < 27; ++n) {
-          const Index3 q = p + step(n);
+          const Index3 q = p + neighbour_step(n);
           if (!differs(q) || grid_.has(q, PointGrid::kWaits)) continue;
           raise(grid_.at(q), PointGrid::kWaits);
           next.push_back(q);
@@ -252,7 +248,7 @@ class Warping {
       raise(grid_.at(first), PointGrid::kSeen);
       for (std::size_t at = 0; at < cluster.points.size(); ++at)
         for (int n = 0; n < 27; ++n) {
-          const Index3 q = cluster.points[at] + step(n);
+          const Index3 q = cluster.points[at] + neighbour_step(n);
           if (!differs(q) || grid_.has(q, PointGrid::kSeen) ||
               grid_.has(q, PointGrid::kWanted) != cluster.is_filled)
             continue;
@@ -312,7 +308,7 @@ class Warping {
     std::int64_t euler = 1;
     for (const auto& [x, y, z] : kBeside) euler -= has(x, y, z);
     for (int n = 0; n < 27; ++n) {
-      const Index3 s = step(n);
+      const Index3 s = neighbour_step(n);
       const int axes = s.cwiseAbs().sum();
       if (axes < 2) continue;
       bool is_full = true;  // The square or the cube between p and the point opposite.

@@ -3,10 +3,16 @@
 
 #include <cstdint>
 
+#include "lumesh/core/types.hpp"
+
 namespace lumesh {
 
-/// Bit n of a set of the 27 points around one stands for (n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1); bit 13, the
-/// point itself, does not count.
+/// The step to the nth of the 27 points around one, itself, the 13th, among them.
+[[nodiscard]] inline Index3 neighbour_step(int n) {
+  return {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+}
+
+/// Bit n of a set of the 27 points around one stands for that at neighbour_step(n); bit 13 does not count.
 ///
 /// A point is simple where the points of the set around it are one piece, joined through faces, that touches
 /// it with a face, and all other points around it are one piece, joined through corners (Bertrand and
