@@ -13,11 +13,6 @@ inline int level_of(double spacing) {
   return std::ilogb(spacing);
 }
 
-/// The cube of a level that a point lies in.
-inline Index3 cube_of(const Vec3& x, double cube_mm) {
-  return (x / cube_mm).array().floor().cast<int>().matrix();
-}
-
 inline bool comes_before(const Index3& a, const Index3& b) {
   return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]);
 }

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "cut_off.hpp"
+#include "lumesh/geometry/cube_keys.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 #include "point_levels.hpp"
 

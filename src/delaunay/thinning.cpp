@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lumesh/core/grid.hpp"
+#include "lumesh/geometry/cube_keys.hpp"
 #include "lumesh/parallel/adjacency.hpp"
 #include "point_levels.hpp"
 

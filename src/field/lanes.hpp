@@ -33,9 +33,9 @@ using LaneMask = std::int32_t __attribute__((vector_size(32)));
 [[gnu::always_inline]] inline Lanes keep_numbers(const Lanes& v) {
   return keep(v, v == v);
 }
+inline constexpr LaneMask kLaneBits = {1, 2, 4, 8, 16, 32, 64, 128};
 [[gnu::always_inline]] inline LaneMask mask_of(std::uint8_t bits) {
-  constexpr LaneMask kBit = {1, 2, 4, 8, 16, 32, 64, 128};
-  return (kBit & static_cast<std::int32_t>(bits)) == kBit;
+  return (kLaneBits & static_cast<std::int32_t>(bits)) == kLaneBits;
 }
 /// In a fixed order.
 [[gnu::always_inline]] inline float sum(const Lanes& v) {

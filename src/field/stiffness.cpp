@@ -74,8 +74,7 @@ constexpr float kTiny = 1e-6F;
 }
 
 [[gnu::always_inline]] inline std::uint8_t bits_of(const LaneMask& mask) {
-  constexpr LaneMask kBit = {1, 2, 4, 8, 16, 32, 64, 128};
-  LaneMask m = mask & kBit;
+  LaneMask m = mask & kLaneBits;
   m |= __builtin_shufflevector(m, m, 4, 5, 6, 7, 0, 1, 2, 3);
   m |= __builtin_shufflevector(m, m, 2, 3, 0, 1, 6, 7, 4, 5);
   return static_cast<std::uint8_t>(m[0] | m[1]);

@@ -3,7 +3,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "cube_keys.hpp"
+#include "lumesh/geometry/cube_keys.hpp"
 #include "lumesh/image/simple_point.hpp"
 
 namespace lumesh::fitting {

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <unordered_set>
 
-#include "cube_keys.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/geometry/cube_keys.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::fitting {

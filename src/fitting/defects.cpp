@@ -31,7 +31,6 @@ constexpr double kSame = 2.5;          // a deviation this close to a defect bey
 
 // Vertices with a better angle quality stay.
 constexpr double kGoodAsItIs = 0.25;
-constexpr double kGoodAnew = 0.3;
 constexpr std::size_t kAtOnce = 6;  // deviations that tetrahedra are added for in one turn
 
 constexpr double kSteps = 20;  // of the largest deviation in a voxel; smaller ones are no improvement
@@ -129,7 +128,8 @@ class Defect {
              (part_.mesh.positions[v] - centre_mm_).norm() <= (kAnew + 0.5 * n) * voxel_mm_;
     });
     Fitter fitter(part_.mesh, part_.boundary, part_.targets, setting_, blocks);
-    fitter.refit_from(perturbed(part_.lattice_mm, 100 * seed + n, perturbation_mm), near, kSweeps, kGoodAnew);
+    fitter.refit_from(perturbed(part_.lattice_mm, 100 * seed + n, perturbation_mm), near, kSweeps,
+                      Fitter::kGood);
     finder_ = DeviationFinder(setting_.domain, probes_);
     return keep_if_best();
   }
@@ -143,7 +143,7 @@ class Defect {
     for (int turn = 0; !deviations.empty() && turn < kTurns && turn <= best_turn + kPatience; ++turn) {
       const auto before = best_badness_;
       take_turn(deviations, turn, allows_temporary_deviation && turn == best_turn,
-                allows_temporary_deviation ? kGoodAnew : kGoodAsItIs);
+                allows_temporary_deviation ? Fitter::kGood : kGoodAsItIs);
       deviations = keep_if_best();
       if (best_badness_ < before) best_turn = turn + 1;
     }

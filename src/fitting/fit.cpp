@@ -18,8 +18,6 @@ namespace lumesh::fitting {
 
 namespace {
 
-constexpr double kGood = 0.3;  // Angle quality of 30 degrees nearly.
-
 /// @param deviations    Those of outlier triangles count.
 /// @param distances_mm  Distances of the deviating probes from the surface.
 FitReport report_on(const std::vector<Deviation>& deviations, const std::vector<double>& distances_mm,
@@ -83,7 +81,7 @@ void fit_boundary(Fitter& fitter, DeviationFinder& finder, const WorkMesh& mesh,
       finder.find_probe_deviations(mesh, boundary, kProtrusionVoxels * domain.voxel_size_mm()), 3);
   targets.offset_mm = fitter.averaged(sagitta_offsets_mm(mesh, boundary, domain));
   fitter.fit(2);
-  fitter.fit_and_improve(4, kGood);
+  fitter.fit_and_improve(4, Fitter::kGood);
 }
 
 }  // namespace
@@ -103,7 +101,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
     step();
     undo_crossings(mesh, boundary, domain, before_mm, setting.limits);
   };
-  without_crossing([&] { fitter.bring_within_cuts(3, 4, kGood); });
+  without_crossing([&] { fitter.bring_within_cuts(3, 4, Fitter::kGood); });
   fitter.squeeze_within_cuts();
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};

@@ -184,7 +184,6 @@ void Fitter::flatten_openings() {
 std::optional<double> Fitter::flatten_at(std::uint32_t v, const Vec3& place, double floor,
                                          const BoundaryTree& tree, double moved_mm) {
   constexpr int kSweeps = 4;
-  constexpr double kGood = 0.3;
   const std::vector<std::uint32_t> near = two_rings(v);
   std::vector<Vec3> before;
   for (const std::uint32_t w : near) before.push_back(mesh_.positions[w]);

@@ -18,6 +18,8 @@ class BoundaryTree;
 /// them, dihedral angles within the limits. Bitwise identical for every thread count.
 class Fitter {
  public:
+  static constexpr double kGood = 0.3;  ///< Angle quality of 30 degrees nearly.
+
   /// All that is given must stay, and the mesh's and boundary's topology the same.
   Fitter(WorkMesh& mesh, BoundaryModel& boundary, VertexTargets& targets, const FitSetting& setting,
          const VertexBlocks& blocks);

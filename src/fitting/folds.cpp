@@ -35,7 +35,6 @@ std::vector<std::uint32_t> find_folds(const WorkMesh& mesh, const BoundaryModel&
 
 void remove_folds(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& setting) {
   constexpr int kSweeps = 8;
-  constexpr double kGood = 0.3;
   if (setting.domain.field().fidelity() == BoundaryFidelity::kExact) return;  // Voxels that stand out stay.
   std::vector<std::uint32_t> folds = find_folds(mesh, boundary, setting.domain);
   if (folds.empty()) return;
@@ -45,7 +44,7 @@ void remove_folds(WorkMesh& mesh, BoundaryModel& boundary, const FitSetting& set
   const std::vector<Vec3> before_mm = mesh.positions;
   const VertexBlocks blocks = make_vertex_blocks(mesh, vertices_near_boundary(mesh, boundary));
   VertexTargets nearest;
-  Fitter(mesh, boundary, nearest, setting, blocks).improve_at(folds, kSweeps, kGood);
+  Fitter(mesh, boundary, nearest, setting, blocks).improve_at(folds, kSweeps, Fitter::kGood);
   undo_crossings(mesh, boundary, setting.domain, before_mm, setting.limits);
 }
 

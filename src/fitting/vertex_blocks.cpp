@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "cube_keys.hpp"
+#include "lumesh/geometry/cube_keys.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::fitting {

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Heights of the columns of layers, before any cell is looked at.
 
+#include <algorithm>
 #include <vector>
 
 #include "directions.hpp"
@@ -69,6 +70,10 @@ struct Columns {
   [[nodiscard]] int count(std::size_t v) const { return profile.count(fraction[v]); }
   /// Share of the thickness asked for.
   [[nodiscard]] double reached(std::size_t v) const { return fraction[v] / asked[v]; }
+  /// Whether a triangle has layers at any of its corners.
+  [[nodiscard]] bool has_layers(const Cell<3>& corners) const {
+    return std::ranges::any_of(corners, [&](std::uint32_t v) { return fraction[v] > 0; });
+  }
   [[nodiscard]] double length_mm(std::size_t v) const { return fraction[v] * wanted_mm[v]; }
   /// No column has a layer.
   [[nodiscard]] bool are_empty() const;

@@ -17,8 +17,7 @@ class Skin {
     has_layers_.resize(surface_.triangles.size());
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
       const Cell<3>& c = surface_.triangles[t];
-      has_layers_[t] =
-          std::ranges::any_of(c, [&](std::uint32_t v) { return columns.fraction[v] > 0; }) ? 1 : 0;
+      has_layers_[t] = columns.has_layers(c) ? 1 : 0;
       add(c, c);
       feet_.push_back(c);
     }

@@ -28,8 +28,7 @@ class TerminationCheck {
   TerminationCheck(const LayerSurface& surface, const Columns& columns)
       : surface_(surface), columns_(columns), is_unlayered_(surface.triangles.size()) {
     parallel::for_each_index(is_unlayered_.size(), [&](std::size_t t) {
-      const Cell<3>& c = surface.triangles[t];
-      is_unlayered_[t] = std::ranges::all_of(c, [&](std::uint32_t v) { return is_gone(v); }) ? 1 : 0;
+      is_unlayered_[t] = columns.has_layers(surface.triangles[t]) ? 0 : 1;
     });
   }
 

@@ -51,7 +51,7 @@ void OrderedExecution::repartition() {
   if (is_cut_) return;
   is_cut_ = true;
   partition_ = partition_vertices(subject_.mesh, vertices_, tets_,
-                                  bucket_size_for(static_cast<std::uint32_t>(vertices_.size())));
+                                  static_cast<std::uint32_t>(bucket_size_for(vertices_.size())));
   order_ = parallel::order_of(partition_.conflicts);
   runs_.assign(partition_.buckets, 0);
 }

@@ -139,9 +139,9 @@ parallel::TaskGraph conflicts_of(const parallel::TaskGraph& neighbours) {
 
 }  // namespace
 
-std::uint32_t bucket_size_for(std::uint32_t vertices) {
-  constexpr std::uint32_t kMin = 32, kMax = 256, kBuckets = 4000;
-  return std::clamp(vertices / kBuckets, kMin, kMax);
+std::size_t bucket_size_for(std::size_t items) {
+  constexpr std::size_t kMin = 32, kMax = 256, kBuckets = 4000;
+  return std::clamp(items / kBuckets, kMin, kMax);
 }
 
 Partition partition_vertices(TetMesh& mesh, const std::vector<std::uint32_t>& vertices,

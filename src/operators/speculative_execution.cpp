@@ -4,16 +4,11 @@
 #include <span>
 
 #include "execution_parts.hpp"
+#include "lumesh/operators/partition.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::operators {
 namespace {
-
-/// Enough buckets to share among many threads, each worth its overhead.
-std::size_t speculative_bucket_size(std::size_t items) {
-  constexpr std::size_t kMin = 32, kMax = 256, kBuckets = 4000;
-  return std::clamp(items / kBuckets, kMin, kMax);
-}
 
 /// Calls step and tells whether all it did was to contend.
 template <class Step>
@@ -40,7 +35,7 @@ void SpeculativeExecution::reorder() {
 
 template <class Item, class Attempt>
 void SpeculativeExecution::run_buckets(std::vector<Item>& items, const Attempt& attempt) {
-  run_in_buckets(team_, items, speculative_bucket_size(items.size()), [&](std::size_t thread) {
+  run_in_buckets(team_, items, bucket_size_for(items.size()), [&](std::size_t thread) {
     Kernel& kernel = kernels_[thread];
     kernel.begin_run(SpeculativeLock(subject_.mesh, static_cast<std::uint32_t>(thread) + 1), stamp_, epoch_);
     return [&](const Item& item) { return is_told_to_stop_() || attempt(kernel, item); };
@@ -57,7 +52,7 @@ void SpeculativeExecution::for_each_by_priority(std::size_t slots, const Priorit
         if (!mesh.alive(id)) return;
         if (const auto value = static_cast<float>(priority(id)); value > 0) out.push_back({id.value, value});
       });
-  parallel::for_each_block(picked.size(), speculative_bucket_size(picked.size()),
+  parallel::for_each_block(picked.size(), bucket_size_for(picked.size()),
                            [&](std::size_t /*bucket*/, std::size_t begin, std::size_t end) {
                              const std::span bucket = std::span(picked).subspan(begin, end - begin);
                              std::ranges::stable_sort(bucket, has_higher_priority);

@@ -113,6 +113,14 @@ std::size_t end_at(const ClosedRim& rim, std::span<const AreaSum> ends) {
   return best;
 }
 
+void take_closed(surfaces::ClosedSurfaceMade& made, MixedMesh& surface) {
+  surface.points = std::move(made.surface.points);
+  surface.triangles = std::move(made.surface.triangles);
+  surface.triangle_patches = std::move(made.surface.patches);
+  surface.metric.clear();
+  surface.sizes_mm.clear();
+}
+
 /// Ends that the file closed by something that is not flat, in pieces by sharp edges, are opened and capped
 /// as open ones are. The surface stays as it is unless that succeeds for all of them.
 void cap_divided_ends(MixedMesh& surface, const SurfaceInputOptions& options,
@@ -160,11 +168,7 @@ void cap_divided_ends(MixedMesh& surface, const SurfaceInputOptions& options,
   if (has_patches)
     for (std::int32_t& p : made.surface.patches)
       if (p >= patch_count) p = patch_of_cap[static_cast<std::size_t>(p - patch_count)];
-  surface.points = std::move(made.surface.points);
-  surface.triangles = std::move(made.surface.triangles);
-  surface.triangle_patches = std::move(made.surface.patches);
-  surface.metric.clear();
-  surface.sizes_mm.clear();
+  take_closed(made, surface);
   for (ClosedRim& rim : made.rims) {
     if (!has_patches) surface.info.patches.push_back({"", PatchKind::kOpening, {1, kBackground}});
     closed.push_back(std::move(rim));
@@ -233,11 +237,7 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
     cap_divided_ends(surface, options, made.rims);
     return std::move(made.rims);
   }
-  surface.points = std::move(made.surface.points);
-  surface.triangles = std::move(made.surface.triangles);
-  surface.triangle_patches = std::move(made.surface.patches);
-  surface.metric.clear();
-  surface.sizes_mm.clear();
+  take_closed(made, surface);
   warn_of_caps_within(surface, made.rims, context);
   for (const ClosedRim& rim : made.rims) {
     if (rim.is_opening) surface.info.patches.push_back({"", PatchKind::kOpening, {1, kBackground}});

@@ -19,9 +19,9 @@ struct Partition {
   parallel::TaskGraph conflicts;   ///< Buckets that share a neighbour or are neighbours.
 };
 
-/// Vertices per bucket for a mesh of `vertices`: enough buckets for many threads, each worth its overhead.
-/// It must not depend on the thread count, or results would.
-[[nodiscard]] std::uint32_t bucket_size_for(std::uint32_t vertices);
+/// Items per bucket, as vertices of a mesh: enough buckets for many threads, each worth its overhead. It must
+/// not depend on the thread count, or results would.
+[[nodiscard]] std::size_t bucket_size_for(std::size_t items);
 
 /// Cuts the live vertices into buckets by bisection across the longest extent in the local metric, so that
 /// buckets are round in the metric however stretched the elements are; the number of each vertex's bucket
