@@ -1,5 +1,10 @@
 #include "lumesh/mesh/triangle_sides.hpp"
 
+#include <cmath>
+#include <numbers>
+
+#include "lumesh/geometry/triangle.hpp"
+
 namespace lumesh {
 
 std::vector<TriangleSide> sorted_sides(std::span<const Cell<3>> triangles) {
@@ -9,6 +14,24 @@ std::vector<TriangleSide> sorted_sides(std::span<const Cell<3>> triangles) {
   });
   parallel::sort(sides.begin(), sides.end());
   return sides;
+}
+
+DisjointSets smooth_parts(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
+                          std::span<const std::int32_t> patches, double feature_angle_deg) {
+  DisjointSets parts(triangles.size());
+  const double min_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
+  const auto turns_little = [&](std::uint32_t s, std::uint32_t t) {
+    const Vec3 n = triangle_area_normal(points, triangles[s]), m = triangle_area_normal(points, triangles[t]);
+    return n.dot(m) >= min_cosine * n.norm() * m.norm();
+  };
+  for_each_edge(sorted_sides(triangles), [&](std::span<const TriangleSide> edge) {
+    for (std::size_t i = 0; i < edge.size(); ++i)
+      for (std::size_t j = i + 1; j < edge.size(); ++j)
+        if (const std::uint32_t s = edge[i].triangle, t = edge[j].triangle;
+            patches[s] >= 0 && patches[s] == patches[t] && turns_little(s, t))
+          parts.merge(s, t);
+  });
+  return parts;
 }
 
 }  // namespace lumesh

@@ -5,9 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/sort_unique.hpp"
@@ -82,24 +80,6 @@ SurfaceCurvature fitted_curvature(std::span<const Vec3> points, std::span<const 
   return curvature_of(frame, found[0], found[1], found[2] / reach, found[3] / reach, found[4] / reach);
 }
 
-/// For each triangle the number of the smooth piece it belongs to: the lowest triangle of the piece.
-std::vector<std::uint32_t> smooth_pieces(std::span<const Vec3> points, const BoundaryFaces& faces,
-                                         double feature_angle_deg) {
-  DisjointSets pieces(faces.triangles.size());
-  const double min_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
-  for_each_edge(sorted_sides(faces.triangles), [&](std::span<const TriangleSide> edge) {
-    if (edge.size() != 2) return;
-    const std::uint32_t s = edge[0].triangle, t = edge[1].triangle;
-    const Vec3 n = triangle_area_normal(points, faces.triangles[s]),
-               m = triangle_area_normal(points, faces.triangles[t]);
-    if (faces.patches[s] != faces.patches[t] || n.dot(m) < min_cosine * n.norm() * m.norm()) return;
-    pieces.merge(s, t);
-  });
-  std::vector<std::uint32_t> piece(faces.triangles.size());
-  for (std::uint32_t t = 0; t < piece.size(); ++t) piece[t] = pieces.find(t);
-  return piece;
-}
-
 /// The boundary taken apart: every piece has vertices of its own.
 struct SmoothSurface {
   std::vector<Vec3> points;
@@ -109,7 +89,9 @@ struct SmoothSurface {
 
 SmoothSurface take_apart(const TetMesh& mesh, double feature_angle_deg) {
   const BoundaryFaces faces = mesh.boundary_faces();
-  const std::vector<std::uint32_t> piece = smooth_pieces(mesh.points(), faces, feature_angle_deg);
+  DisjointSets parts = smooth_parts(mesh.points(), faces.triangles, faces.patches, feature_angle_deg);
+  std::vector<std::uint32_t> piece(faces.triangles.size());
+  for (std::uint32_t t = 0; t < piece.size(); ++t) piece[t] = parts.find(t);
   std::vector<std::array<std::uint32_t, 2>> corners;  // Vertex and piece.
   for (std::size_t t = 0; t < piece.size(); ++t)
     for (const std::uint32_t v : faces.triangles[t]) corners.push_back({v, piece[t]});

@@ -1,12 +1,6 @@
 #include "lumesh/operators/creases.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 
 namespace lumesh::operators {
@@ -16,32 +10,20 @@ bool is_between_labels(const BoundaryFaces& faces, std::size_t face) {
   return faces.tets[face][1].valid();
 }
 
-/// The sets of faces of one patch that reach each other over edges without crease.
-DisjointSets smooth_parts(const TetMesh& mesh, const BoundaryFaces& faces, double angle_deg) {
-  std::vector<Vec3> normals(faces.triangles.size());
-  for (std::uint32_t i = 0; i < faces.triangles.size(); ++i)
-    normals[i] = triangle_normal(mesh.points(), faces.triangles[i]);
-  DisjointSets sets(faces.triangles.size());
-  const double min_cosine = std::cos(angle_deg * std::numbers::pi / 180);
-  for_each_edge(sorted_sides(faces.triangles), [&](std::span<const TriangleSide> edge) {
-    constexpr std::uint32_t kNone = ~0U;
-    std::uint32_t one = kNone;
-    for (const TriangleSide& side : edge) {
-      const std::uint32_t other = side.triangle;
-      if (is_between_labels(faces, other)) continue;
-      if (one == kNone) one = other;
-      if (faces.patches[one] == faces.patches[other] && normals[one].dot(normals[other]) >= min_cosine)
-        sets.merge(one, other);
-    }
-  });
-  return sets;
+/// The sets of faces of one patch that reach each other over edges without crease; faces between labels stay
+/// alone.
+DisjointSets smooth_faces(const TetMesh& mesh, const BoundaryFaces& faces, double angle_deg) {
+  std::vector<std::int32_t> patches = faces.patches;
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    if (is_between_labels(faces, i)) patches[i] = -1;
+  return smooth_parts(mesh.points(), faces.triangles, patches, angle_deg);
 }
 
 }  // namespace
 
 std::vector<PatchId> cut_patches_at_creases(TetMesh& mesh, double angle_deg) {
   const BoundaryFaces faces = mesh.boundary_faces();
-  DisjointSets sets = smooth_parts(mesh, faces, angle_deg);
+  DisjointSets sets = smooth_faces(mesh, faces, angle_deg);
   MeshInfo info = mesh.info();
   std::vector<PatchId> origins(info.patches.size());
   for (std::uint32_t p = 0; p < origins.size(); ++p) origins[p] = PatchId(p);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/parallel/key_table.hpp"
 
@@ -39,5 +40,10 @@ void for_each_edge(std::span<const TriangleSide> sides, const Visit& visit) {
   const auto same = [](const TriangleSide& a, const TriangleSide& b) { return a.is_of_edge(b); };
   parallel::for_each_run(sides, same, visit);
 }
+
+/// Sets of triangles of one patch that reach each other over edges at which they turn by no more than an
+/// angle. @param patches  Of each triangle; those below 0 stay alone.
+[[nodiscard]] DisjointSets smooth_parts(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
+                                        std::span<const std::int32_t> patches, double feature_angle_deg);
 
 }  // namespace lumesh
