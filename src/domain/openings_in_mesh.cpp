@@ -25,7 +25,7 @@ struct OpeningPatch {
   void add(const Cell<3>& corners, std::span<const Vec3> points) {
     const Vec3 &a = points[corners[0]], &b = points[corners[1]], &c = points[corners[2]];
     sum.add(a, b, c);
-    centres_mm.push_back((a + b + c) / 3);
+    centres_mm.push_back(triangle_centre(a, b, c));
     triangles.push_back(corners);
   }
 };

@@ -74,7 +74,7 @@ class OpeningGroups {
       group.inside = t.inside;
       group.outside = t.outside;
       group.area_mm2 += area;
-      group.centres_mm.push_back((a + b + c) / 3);
+      group.centres_mm.push_back(triangle_centre(a, b, c));
     }
     for (const std::uint32_t i : beside_another_) groups_[number.at(sets_.find(i))].is_beside_another = true;
     std::ranges::stable_sort(groups_, [](const Group& a, const Group& b) { return a.area_mm2 > b.area_mm2; });

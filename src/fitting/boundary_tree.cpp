@@ -6,6 +6,7 @@
 
 #include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/cube_keys.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::fitting {
@@ -33,8 +34,7 @@ std::vector<std::uint32_t> near(const WorkMesh& mesh, const BoundaryModel& bound
                    [&](const Index3& near_cell) { cells.insert(cube_key(near_cell)); });
   }
   return parallel::collect<std::uint32_t>(boundary.triangles.size(), [&](std::size_t i, auto& out) {
-    const auto& [a, b, c] = boundary.triangles[i].vertices;
-    const Vec3 centre = (mesh.positions[a] + mesh.positions[b] + mesh.positions[c]) / 3;
+    const Vec3 centre = triangle_centre(mesh.positions, boundary.triangles[i].vertices);
     if (cells.contains(cube_key(cube_of(centre, edge_mm)))) out.push_back(static_cast<std::uint32_t>(i));
   });
 }

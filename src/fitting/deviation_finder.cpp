@@ -142,8 +142,13 @@ void DeviationFinder::append_outliers(const WorkMesh& mesh, const BoundaryModel&
   const double min_mm = std::max(limit_mm, kSagitta * longest_edge(p));
   double off_mm = 0;
   Vec3 from = Vec3::Zero();
-  const std::array<Vec3, 7> places = {
-      (p[0] + p[1] + p[2]) / 3, (p[0] + p[1]) / 2, (p[1] + p[2]) / 2, (p[2] + p[0]) / 2, p[0], p[1], p[2]};
+  const std::array<Vec3, 7> places = {triangle_centre(p[0], p[1], p[2]),
+                                      (p[0] + p[1]) / 2,
+                                      (p[1] + p[2]) / 2,
+                                      (p[2] + p[0]) / 2,
+                                      p[0],
+                                      p[1],
+                                      p[2]};
   for (const Vec3& place : places) {
     const FieldSample s = domain_->separation(place, t.inside, t.outside);
     const double depth_mm = s.value / std::max(1.0, s.gradient.norm());

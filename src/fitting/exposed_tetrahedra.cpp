@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/edge_key.hpp"
 #include "lumesh/parallel/loops.hpp"
 
@@ -132,7 +133,7 @@ class ExposedRemoval {
         std::ranges::find_if(mesh_.neighbours[t], [](std::uint32_t other) { return other != kNoTet; });
     const auto [a, b, c] =
         face_of(mesh_.tets[t], static_cast<std::size_t>(inner - mesh_.neighbours[t].begin()));
-    const Vec3 middle = (mesh_.positions[a] + mesh_.positions[b] + mesh_.positions[c]) / 3;
+    const Vec3 middle = triangle_centre(mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]);
     return domain_.separation(middle, mesh_.materials[t], 0).value <= kNear * domain_.voxel_size_mm();
   }
 

@@ -9,6 +9,7 @@
 
 #include "boundary_stars.hpp"
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh::fitting {
 
@@ -66,8 +67,7 @@ class RimChoice {
     constexpr double kReach = 6;  // Voxels.
     constexpr double kFar = std::numeric_limits<double>::infinity();
     const BoundaryTriangle& triangle = boundary_.triangles[t];
-    const auto& [a, b, c] = triangle.vertices;
-    const Vec3 centroid = (mesh_.positions[a] + mesh_.positions[b] + mesh_.positions[c]) / 3;
+    const Vec3 centroid = triangle_centre(mesh_.positions, triangle.vertices);
     const double little_mm = 0.01 * domain_.voxel_size_mm();
     if (domain_.is_cut(outside)) {
       const CutPlane& plane = domain_.cut_plane(outside);

@@ -89,7 +89,7 @@ class ProtrusionGrower {
   [[nodiscard]] std::optional<Option> best_at(std::uint32_t i, const Attempt& attempt) const {
     const BoundaryTriangle& t = boundary_.triangles[i];
     const TriangleCorners p = corners_of(mesh_, t.vertices);
-    const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
+    const Vec3 middle = triangle_centre(p[0], p[1], p[2]);
     const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
     const double height = normal.dot(attempt.place_mm - middle);
     std::uint32_t tet = kNoTet;
@@ -256,7 +256,7 @@ class ProtrusionGrower {
     }
     const auto distance2 = [&](std::uint32_t i) {
       const TriangleCorners p = corners_of(mesh_, boundary_.triangles[i].vertices);
-      return ((p[0] + p[1] + p[2]) / 3 - probe.position_mm).squaredNorm();
+      return (triangle_centre(p[0], p[1], p[2]) - probe.position_mm).squaredNorm();
     };
     sort_unique(found, [&](std::uint32_t a, std::uint32_t b) {
       const double da = distance2(a), db = distance2(b);
@@ -322,7 +322,7 @@ class ProtrusionGrower {
       if (e == o.shared) continue;
       const Vec3& a = p[e];
       const Vec3& b = p[(e + 1) % 3];
-      const Vec3 middle = (a + b + apex) / 3;
+      const Vec3 middle = triangle_centre(a, b, apex);
       if (off(middle) > most || off(0.5 * (a + apex)) > most) return false;
       const Vec3 inwards = domain_.separation(middle, base.inside, base.outside).gradient;
       const Vec3 normal = (b - a).cross(apex - a);
@@ -341,7 +341,7 @@ class ProtrusionGrower {
     const Vec3& b = p[(o.shared + 1) % 3];
     const Vec3& c = p[(o.shared + 2) % 3];
     return depth((a + b + c + o.apex) / 4) > 0.3 && depth(0.5 * (c + o.apex)) > -0.3 &&
-           depth((a + c + o.apex) / 3) > -0.3 && depth((b + c + o.apex) / 3) > -0.3;
+           depth(triangle_centre(a, c, o.apex)) > -0.3 && depth(triangle_centre(b, c, o.apex)) > -0.3;
   }
 
   /// Whether the sides of a cap would cut the surface or come close to folding onto it.

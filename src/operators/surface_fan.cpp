@@ -39,7 +39,7 @@ bool SurfaceFan::fits(const Vec3& to, const InputSurface& surface, const AngleRu
   double retreat = std::numeric_limits<double>::infinity();
   for (const auto& [p, q] : rim_) {
     if (triangle_normal(to, p, q).dot(triangle_normal(centre_, p, q)) < kMinCosine) return false;
-    if (!is_near(0.5 * (to + p)) || !is_near((to + p + q) / 3)) return false;
+    if (!is_near(0.5 * (to + p)) || !is_near(triangle_centre(to, p, q))) return false;
     retreat = std::min(retreat, (closest_point_on_triangle(centre_, to, p, q) - centre_).norm());
   }
   return retreat <= rules.max_retreat * edge_length_;

@@ -89,7 +89,7 @@ class LabelComparison {
 
   void add_angle(std::size_t t, std::vector<WeightedValue>& out) const {
     const Vec3 &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
-    const Vec3 centre = (a + b + c) / 3;
+    const Vec3 centre = triangle_centre(a, b, c);
     const double distance = phantom_.signed_distance_mm(centre, label_);
     // Where the cut of the image is nearer than the shape's own surface the triangle belongs to a flat cap.
     const bool on_cap = phantom_.surface_distance_mm(centre, label_) < std::abs(distance) - 1e-6 * voxel_mm_;

@@ -232,7 +232,7 @@ Vec3 outward_at(const Shape& part, const Vec3& place, double reach_mm) {
   double area = 0;
   for (const ShapeFace& face : part.faces) {
     const Vec3 normal = triangle_area_normal(face.corners[0], face.corners[1], face.corners[2]);
-    const Vec3 middle = (face.corners[0] + face.corners[1] + face.corners[2]) / 3;
+    const Vec3 middle = triangle_centre(face.corners[0], face.corners[1], face.corners[2]);
     const double weight = std::max(0.0, 1 - (middle - place).norm() / reach_mm);
     sum += weight * normal;
     area += weight * normal.norm();
@@ -309,7 +309,7 @@ CloseUp draw_close_up(const Shape& part, const Camera& camera, std::span<const V
 Shape cut_open(const Shape& part, const Vec3& place, const Vec3& toward) {
   Shape rest;
   for (const ShapeFace& face : part.faces) {
-    const Vec3 middle = (face.corners[0] + face.corners[1] + face.corners[2]) / 3;
+    const Vec3 middle = triangle_centre(face.corners[0], face.corners[1], face.corners[2]);
     if ((middle - place).dot(toward) <= 0) rest.faces.push_back(face);
   }
   for (const ShapeLine& line : part.lines)

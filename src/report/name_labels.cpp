@@ -235,10 +235,9 @@ void for_each_opening_triangle(const MeshView& mesh, const quality::MeshSurface&
     if (static_cast<std::size_t>(patch) >= patches.size() ||
         !is_plane(patches[static_cast<std::size_t>(patch)].kind))
       continue;
-    const auto& [a, b, c] = surface.triangles[i];
-    const Vec3 middle = (mesh.points[a] + mesh.points[b] + mesh.points[c]) / 3;
-    visit(static_cast<std::size_t>(patch), middle,
-          Vec3(triangle_area_normal(mesh.points[a], mesh.points[b], mesh.points[c]) / 2));
+    const Cell<3>& corners = surface.triangles[i];
+    visit(static_cast<std::size_t>(patch), triangle_centre(mesh.points, corners),
+          Vec3(triangle_area_normal(mesh.points, corners) / 2));
   }
 }
 

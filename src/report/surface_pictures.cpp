@@ -174,7 +174,7 @@ double curvature_of(const Cell<3>& triangle, const quality::WallCurvature& curva
 void add_corner(const Camera& camera, const std::array<Vec3, 3>& corners, std::size_t first,
                 const Vec3& normal, Colour colour, std::vector<ScreenTriangle>& out) {
   const Vec3 &p = corners[first], &next = corners[(first + 1) % 3], &last = corners[(first + 2) % 3];
-  const std::array<Vec3, 4> part = {p, Vec3((p + next) / 2), Vec3((p + next + last) / 3),
+  const std::array<Vec3, 4> part = {p, Vec3((p + next) / 2), triangle_centre(p, next, last),
                                     Vec3((p + last) / 2)};
   add_polygon(camera, part, normal, colour, true, out);
   out[out.size() - 2].outlined = 1;

@@ -9,6 +9,7 @@
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/facing.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/sum.hpp"
 
 namespace lumesh {
@@ -43,7 +44,7 @@ Folds fold_at(const MeshView& mesh, const ImageDomain& domain, std::size_t trian
   const auto& [a, b, c] = mesh.triangles[triangle];
   const Vec3 &p = mesh.points[a], &q = mesh.points[b], &r = mesh.points[c];
   const double cosine = std::max(-1.0, cosine_to_boundary(domain, p, q, r, inside, 0));
-  return cosine < 0 ? Folds{1, cosine, (p + q + r) / 3} : Folds{};
+  return cosine < 0 ? Folds{1, cosine, triangle_centre(p, q, r)} : Folds{};
 }
 
 }  // namespace

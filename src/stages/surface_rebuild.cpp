@@ -148,8 +148,7 @@ RebuiltSurface rebuilt_at(const TriangleMesh& given, const GivenSurface& surface
     return made;
   }
   for (std::size_t t = 0; t < made.surface.triangles.size(); ++t) {
-    const auto& [a, b, c] = made.surface.triangles[t];
-    const Vec3 middle = (made.surface.points[a] + made.surface.points[b] + made.surface.points[c]) / 3;
+    const Vec3 middle = triangle_centre(made.surface.points, made.surface.triangles[t]);
     made.surface.patches[t] = given.patches[surface.tree().nearest(middle).triangle];
   }
   made.surface.volume_points.clear();

@@ -61,7 +61,7 @@ class SurfaceCheck {
     return surface_.points[surface_.triangles[t][i]];
   }
   [[nodiscard]] Vec3 middle_of(std::size_t t) const {
-    return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3;
+    return triangle_centre(corner(t, 0), corner(t, 1), corner(t, 2));
   }
   [[nodiscard]] Vec3 middle_of(const TriangleSide& side) const {
     return 0.5 * (surface_.points[side.low] + surface_.points[side.high]);

@@ -134,8 +134,7 @@ void SurfaceParts::mark(const Part& part, MarkedTriangles& marked) const {
 }
 
 Vec3 SurfaceParts::middle_of(std::uint32_t t) const {
-  const auto& [a, b, c] = surface_.triangles[t];
-  return (surface_.points[a] + surface_.points[b] + surface_.points[c]) / 3;
+  return triangle_centre(surface_.points, surface_.triangles[t]);
 }
 
 }  // namespace lumesh::surfaces

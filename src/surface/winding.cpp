@@ -42,8 +42,7 @@ class AngleSum {
 
 WindingNumbers::WindingNumbers(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
   std::vector<Vec3> middles(triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    middles[t] = (points[triangles[t][0]] + points[triangles[t][1]] + points[triangles[t][2]]) / 3;
+  for (std::size_t t = 0; t < triangles.size(); ++t) middles[t] = triangle_centre(points, triangles[t]);
   std::vector<std::uint32_t> order(triangles.size());
   std::iota(order.begin(), order.end(), 0U);
   if (!order.empty()) build(order, 0, middles);
@@ -61,7 +60,8 @@ WindingNumbers::WindingNumbers(std::span<const Vec3> points, std::span<const Cel
     node.middle = area > 0 ? Vec3(node.middle / area) : corners_[node.begin][0];
     for (std::uint32_t i = node.begin; i < node.end; ++i) {
       const auto& [a, b, c] = corners_[i];
-      node.moments += ((a + b + c) / 3 - node.middle) * (triangle_area_normal(a, b, c) / 2).transpose();
+      node.moments +=
+          (triangle_centre(a, b, c) - node.middle) * (triangle_area_normal(a, b, c) / 2).transpose();
     }
     for (std::uint32_t i = node.begin; i < node.end; ++i)
       for (const Vec3& corner : corners_[i]) node.reach = std::max(node.reach, (corner - node.middle).norm());

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "lumesh/domain/domain.hpp"
+#include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh {
 
@@ -13,7 +14,7 @@ namespace lumesh {
 [[nodiscard]] inline double cosine_to_boundary(const Domain& domain, const Vec3& a, const Vec3& b,
                                                const Vec3& c, Material inside, Material outside) {
   const Vec3 outwards = (b - a).cross(c - a);
-  const Vec3 inwards = domain.separation((a + b + c) / 3, inside, outside).gradient;
+  const Vec3 inwards = domain.separation(triangle_centre(a, b, c), inside, outside).gradient;
   const double scale = outwards.norm() * inwards.norm();
   return scale > 0 ? -outwards.dot(inwards) / scale : 1;
 }

@@ -33,6 +33,15 @@ namespace lumesh {
   return triangle_area(points[corners[0]], points[corners[1]], points[corners[2]]);
 }
 
+/// Mean of the corners.
+[[nodiscard]] inline Vec3 triangle_centre(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return (a + b + c) / 3;
+}
+[[nodiscard]] inline Vec3 triangle_centre(std::span<const Vec3> points,
+                                          const std::array<std::uint32_t, 3>& corners) {
+  return triangle_centre(points[corners[0]], points[corners[1]], points[corners[2]]);
+}
+
 /// In [0, pi]; accurate for small angles too.
 [[nodiscard]] inline double angle_between(const Vec3& u, const Vec3& v) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
