@@ -4,9 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
@@ -23,16 +23,15 @@ namespace {
 
 using operators::Outcome;
 
-double sine_of_degrees(double degrees) {
-  return std::sin(degrees * std::numbers::pi / 180);
+double sine_deg(double angle_deg) {
+  return std::sin(radians(angle_deg));
 }
 
 /// Both targets have the same quality: the sine of the smaller angle.
 operators::ShapeMeasure measure_for(const ImproveOptions& options) {
-  return {
-      operators::ShapeMeasure::Kind::kDihedralAngles,
-      std::min(1.0, sine_of_degrees(options.min_dihedral_deg) / sine_of_degrees(options.max_dihedral_deg)),
-      options.refusal ? &options.refusal : nullptr};
+  return {operators::ShapeMeasure::Kind::kDihedralAngles,
+          std::min(1.0, sine_deg(options.min_dihedral_deg) / sine_deg(options.max_dihedral_deg)),
+          options.refusal ? &options.refusal : nullptr};
 }
 
 void measure_angles(TetMesh& mesh, double obtuse_weight) {
@@ -55,7 +54,7 @@ class Improver {
         measure_(measure_for(options)),
         surface_(options.slide ? std::make_optional<operators::InputSurface>(mesh, options.keep_within)
                                : std::nullopt),
-        goal_(sine_of_degrees(options.min_dihedral_deg)),
+        goal_(sine_deg(options.min_dihedral_deg)),
         execution_({with_qualities(mesh, field_, measure_), field_, shapes_, measure_,
                     surface_ ? &*surface_ : nullptr},
                    options.team) {
@@ -132,8 +131,8 @@ class Improver {
 
 DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options) {
   constexpr std::size_t kBlock = 4096;
-  const auto cosine = [](double degrees) { return std::cos(degrees * std::numbers::pi / 180); };
-  const double max_cosine = cosine(options.min_dihedral_deg), min_cosine = cosine(options.max_dihedral_deg);
+  const double max_cosine = cosine_deg(options.min_dihedral_deg),
+               min_cosine = cosine_deg(options.max_dihedral_deg);
   struct Tally {
     DihedralCosines extreme{-1, 1};
     std::uint64_t outside = 0;
@@ -154,8 +153,8 @@ DihedralRange dihedral_range(const TetMesh& mesh, const ImproveOptions& options)
         part = add(part, {c, c.largest_cosine > max_cosine || c.smallest_cosine < min_cosine});
       },
       add);
-  const auto degrees = [](double c) { return std::acos(c) * 180 / std::numbers::pi; };
-  return {degrees(tally.extreme.largest_cosine), degrees(tally.extreme.smallest_cosine), tally.outside};
+  return {degrees(std::acos(tally.extreme.largest_cosine)), degrees(std::acos(tally.extreme.smallest_cosine)),
+          tally.outside};
 }
 
 namespace {

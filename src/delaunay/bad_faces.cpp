@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
-#include <numbers>
 #include <unordered_set>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
@@ -117,7 +116,7 @@ VertexId superfluous_vertex(const TetMesh& mesh, const NeededVertices& needed,
 std::vector<VertexId> vertices_of_bad_faces(const TetMesh& mesh, const Rules& rules, const Spacing& spacing,
                                             double min_angle_deg, bool first) {
   const NeededVertices needed(mesh, spacing);
-  const double max_cosine = std::cos(min_angle_deg * std::numbers::pi / 180);
+  const double max_cosine = cosine_deg(min_angle_deg);
   auto found = collect_from_tets<Removal>(mesh, [&](TetId t, std::vector<Removal>& out) {
     for (int f = 0; f < 4; ++f) {
       if (!rules.is_boundary(t, f) || mesh.link(t, f).tet() < t) continue;

@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "cut_off.hpp"
+#include "lumesh/core/angles.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -15,10 +15,6 @@ namespace lumesh::delaunay {
 namespace {
 
 constexpr float kSurfaceFirst = 1e6F;
-
-double cosine_of_deg(double angle_deg) {
-  return std::cos(angle_deg * std::numbers::pi / 180);
-}
 
 /// The place near another one where two materials meet a third of those around.
 std::optional<Vec3> place_on_curve(const Domain& domain, const Vec3& near, const MaterialSet& pair,
@@ -70,8 +66,8 @@ Rules::Rules(const TetMesh& mesh, const Spacing& spacing, const RuleLimits& limi
       spacing_(spacing),
       domain_(spacing.domain()),
       radius_edge_(limits.radius_edge),
-      cosine_of_facet_angle_(cosine_of_deg(limits.facet_angle_deg)),
-      cosine_of_usual_angle_(cosine_of_deg(DelaunayOptions().facet_angle_deg)) {}
+      cosine_of_facet_angle_(cosine_deg(limits.facet_angle_deg)),
+      cosine_of_usual_angle_(cosine_deg(DelaunayOptions().facet_angle_deg)) {}
 
 Material Rules::material_at(const Circumsphere& sphere) const {
   return sphere.centre.allFinite() ? domain_.material_at(sphere.centre) : 0;

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/key_table.hpp"
@@ -107,7 +106,7 @@ FeatureRegions without_empty(FeatureRegions found) {
 }  // namespace
 
 FeatureRegions find_regions(const ClosedSurface& surface, double feature_angle_deg) {
-  const double min_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
+  const double min_cosine = cosine_deg(feature_angle_deg);
   const auto count = static_cast<std::uint32_t>(surface.triangles.size());
   FeatureRegions found;
   found.of_triangle.assign(count, kNoRegion);

@@ -7,12 +7,11 @@
 #include <optional>
 
 #include "flat_regions.hpp"
+#include "lumesh/core/angles.hpp"
 #include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh::surfaces {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 class FlatParts {
  public:
@@ -30,7 +29,7 @@ class FlatParts {
  private:
   /// Triangles that hang together and face as the first one does.
   std::vector<std::uint32_t> part_around(std::uint32_t seed) {
-    static const double kAlike = std::cos(0.5 * kDegree);
+    static const double kAlike = cosine_deg(0.5);
     std::vector<std::uint32_t> part{seed};
     part_[seed] = ++count_;
     for (std::size_t i = 0; i < part.size(); ++i)
@@ -60,7 +59,7 @@ class FlatParts {
         if (part_[other] == part_[t]) continue;
         const double length_mm = (surface_.corner(t, (s + 1) % 3) - surface_.corner(t, s)).norm();
         most_alike = std::max(most_alike, surface_.normals[t].dot(surface_.normals[other]));
-        if (most_alike > std::cos(kMinTurnDeg * kDegree)) return std::nullopt;
+        if (most_alike > cosine_deg(kMinTurnDeg)) return std::nullopt;
         wall += length_mm * surface_.normals[other];
         around_mm += length_mm;
         next[surface_.triangles[t][s]] = surface_.triangles[t][(s + 1) % 3];
@@ -69,10 +68,9 @@ class FlatParts {
     const double round_mm2 = around_mm * around_mm / (4 * std::numbers::pi);
     const double region_mm2 = regions_.areas_mm2[regions_.of_triangle[part.front()]];
     if (next.size() < kMinAround || all.area < kMinRound * round_mm2 || all.area > kMaxShare * region_mm2 ||
-        wall.norm() > kMaxAlike * around_mm || most_alike < std::cos(kMaxTurnDeg * kDegree) ||
-        !is_one_curve(next))
+        wall.norm() > kMaxAlike * around_mm || most_alike < cosine_deg(kMaxTurnDeg) || !is_one_curve(next))
       return std::nullopt;
-    return MissedEnd{all.centre(), circle_radius(all.area), std::acos(most_alike) / kDegree,
+    return MissedEnd{all.centre(), circle_radius(all.area), degrees(std::acos(most_alike)),
                      regions_.of_triangle[part.front()]};
   }
 

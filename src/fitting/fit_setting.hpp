@@ -3,11 +3,10 @@
 // reach.
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <optional>
 #include <vector>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/image/label_image.hpp"
 
@@ -22,8 +21,7 @@ struct AngleLimits {
 /// 4/3 for the regular one, 0 for a flat one. It weighs 10 deg like 160, 15 like 150, 20 like 140 and 30 like
 /// 120 deg. This is the lowest quality that keeps both limits. Derived in docs/stages/lattice.md, "Formulas".
 inline double angle_floor(const AngleLimits& limits) {
-  constexpr double kRadian = std::numbers::pi / 180;
-  return std::max(4 * (1 - std::cos(limits.min_deg * kRadian)), 1 + std::cos(limits.max_deg * kRadian));
+  return std::max(4 * (1 - cosine_deg(limits.min_deg)), 1 + cosine_deg(limits.max_deg));
 }
 
 /// Input of a fit; all of it must outlive the fit.

@@ -10,6 +10,7 @@
 #include "anchors.hpp"
 #include "boundary_tree.hpp"
 #include "crossings.hpp"
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
@@ -125,7 +126,7 @@ void Fitter::bring_within_cuts(int rounds, int sweeps, double good_enough) {
 
 /// Past the angles' limits, as long as tetrahedra stay positively oriented and do not become flat.
 bool Fitter::put_if_valid(std::uint32_t v, const Vec3& place) {
-  const double flattest = std::cos(2 * std::numbers::pi / 180);
+  const double flattest = cosine_deg(2);
   const std::vector<Vec3>& at = mesh_.positions;
   const Vec3 before = std::exchange(mesh_.positions[v], place);
   const auto star = mesh_.star(v);

@@ -9,9 +9,9 @@
 #include <cmath>
 #include <limits>
 #include <new>
-#include <numbers>
 
 #include "file_fault.hpp"
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/parallel/loops.hpp"
@@ -43,7 +43,7 @@ Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& c
   const Mat3 repaired = svd.matrixU() * svd.matrixV().transpose();
   double worst_sine = 0;
   for (int i = 0; i < 3; ++i) worst_sine = std::max(worst_sine, unit.col(i).cross(repaired.col(i)).norm());
-  const double angle_deg = std::asin(std::min(1.0, worst_sine)) * 180 / std::numbers::pi;
+  const double angle_deg = degrees(std::asin(std::min(1.0, worst_sine)));
   if (std::abs(unit.determinant()) < 0.5 || angle_deg > kLargestAngleDeg)
     fail(path, fmt::format(
                    "its axes are not perpendicular (off by {:.1f} degrees); resample the image to a regular "

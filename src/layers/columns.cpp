@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -14,8 +14,6 @@
 
 namespace lumesh::layers {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 /// The prisms over one triangle, as its three columns stand.
 class PrismCheck {
@@ -55,7 +53,7 @@ class PrismCheck {
     };
     if (orient3d(corner(0), corner(1), corner(2), corner(3)) <= 0) return false;
     const DihedralCosines angles = min_max_dihedral(corner(0), corner(1), corner(2), corner(3));
-    const double max_cosine = std::cos(floor_deg * kRadPerDeg);
+    const double max_cosine = cosine_deg(floor_deg);
     return angles.largest_cosine <= max_cosine && angles.smallest_cosine >= -max_cosine;
   }
   /// Cells as flat as the layer itself are what was asked for; much flatter ones, or less than a few degrees,
@@ -73,7 +71,7 @@ class PrismCheck {
         height = std::min(height, std::max(length, kHardlyAny * share * columns_.wanted_mm[c[i]]));
       width = std::max(width, (lower[(i + 1) % 3] - lower[i]).norm());
     }
-    return std::min(kFloor, kShareOfLayer * std::atan2(height, width) / kRadPerDeg);
+    return std::min(kFloor, kShareOfLayer * degrees(std::atan2(height, width)));
   }
   /// How a layer's upper triangle may stand to its lower one, and columns to both.
   struct Lean {

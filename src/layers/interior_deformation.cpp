@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "lumesh/adapt/keep.hpp"
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -288,7 +287,7 @@ void InteriorDeformation::improve() {
 std::vector<std::uint8_t> InteriorDeformation::columns_at_poor_tets() const {
   constexpr double kFloorDeg = 2.5;  // As for the layers' own cells.
   const double floor_deg = std::min({kFloorDeg, at_first_.min_deg, 180 - at_first_.max_deg});
-  const double cosine = std::cos(floor_deg * std::numbers::pi / 180);
+  const double cosine = cosine_deg(floor_deg);
   const std::vector<std::uint8_t> at_poor = flags_at_tets([&](TetId t) {
     const DihedralCosines angles =
         min_max_dihedral(mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2), mesh_.corner(t, 3));

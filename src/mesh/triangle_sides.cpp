@@ -1,8 +1,6 @@
 #include "lumesh/mesh/triangle_sides.hpp"
 
-#include <cmath>
-#include <numbers>
-
+#include "lumesh/core/angles.hpp"
 #include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh {
@@ -19,7 +17,7 @@ std::vector<TriangleSide> sorted_sides(std::span<const Cell<3>> triangles) {
 DisjointSets smooth_parts(std::span<const Vec3> points, std::span<const Cell<3>> triangles,
                           std::span<const std::int32_t> patches, double feature_angle_deg) {
   DisjointSets parts(triangles.size());
-  const double min_cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
+  const double min_cosine = cosine_deg(feature_angle_deg);
   const auto turns_little = [&](std::uint32_t s, std::uint32_t t) {
     const Vec3 n = triangle_area_normal(points, triangles[s]), m = triangle_area_normal(points, triangles[t]);
     return n.dot(m) >= min_cosine * n.norm() * m.norm();

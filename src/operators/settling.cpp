@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
 #include "area_means.hpp"
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"
@@ -500,8 +500,7 @@ class Settling {
 }  // namespace
 
 MayBecome within_angles(double min_dihedral_deg, double max_dihedral_deg) {
-  const double max_cosine = std::cos(min_dihedral_deg * std::numbers::pi / 180),
-               min_cosine = std::cos(max_dihedral_deg * std::numbers::pi / 180);
+  const double max_cosine = cosine_deg(min_dihedral_deg), min_cosine = cosine_deg(max_dihedral_deg);
   return [max_cosine, min_cosine](std::size_t /*tet*/, const std::array<Vec3, 4>& before,
                                   const std::array<Vec3, 4>& after) {
     const DihedralCosines then = min_max_dihedral(after[0], after[1], after[2], after[3]);

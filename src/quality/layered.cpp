@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <numbers>
 #include <span>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -51,7 +51,7 @@ void add_corner(const Vec3& at, const std::array<Vec3, 3>& ends, FlatTally& tall
     const Vec3 along = e[i].stableNormalized();
     const Vec3 a = e[(i + 1) % 3] - along.dot(e[(i + 1) % 3]) * along,
                b = e[(i + 2) % 3] - along.dot(e[(i + 2) % 3]) * along;
-    tally.add_angle(angle_between(a, b) * 180 / std::numbers::pi);
+    tally.add_angle(degrees(angle_between(a, b)));
   }
 }
 

@@ -1,8 +1,8 @@
 #include "lumesh/quality/reference.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "on_planes.hpp"
@@ -98,7 +98,7 @@ class LabelComparison {
     const Vec3 foot = centre - distance * outward_normal(phantom_, centre, label_, step);
     const Vec3 truth = outward_normal(phantom_, foot, label_, step);
     const Vec3 normal = triangle_normal(a, b, c);
-    const double angle = angle_between(normal, truth) * 180 / std::numbers::pi;
+    const double angle = degrees(angle_between(normal, truth));
     out.push_back({angle, triangle_area(a, b, c), centre});
   }
 

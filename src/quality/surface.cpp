@@ -3,10 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "cell_faces.hpp"
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
@@ -158,7 +158,7 @@ std::vector<PatchSummary> summarise_patches(const MeshView& mesh, const MeshSurf
     summary.flow = p < named ? mesh.info->patches[p].flow : FlowSide::kUnknown;
     summary.faces = fits[p].faces;
     summary.area_mm2 = fits[p].sum.area;
-    summary.smallest_angle_deg = std::acos(fits[p].largest_cosine) * 180 / std::numbers::pi;
+    summary.smallest_angle_deg = degrees(std::acos(fits[p].largest_cosine));
     if (fits[p].sum.area > 0) summary.centre_mm = fits[p].sum.centre();
     const Vec3& normal = fits[p].sum.normal;
     if (normal.norm() > 1e-6 * fits[p].sum.area) summary.normal = normal.normalized();

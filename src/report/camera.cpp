@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
+
+#include "lumesh/core/angles.hpp"
 
 namespace lumesh::report {
 
 Camera look_from(double azimuth_deg, double elevation_deg) {
-  const double azimuth = azimuth_deg * std::numbers::pi / 180,
-               elevation = elevation_deg * std::numbers::pi / 180;
+  const double azimuth = radians(azimuth_deg), elevation = radians(elevation_deg);
   Camera camera;
   // LPS: x to the patient's left, y to the back, z to the head. Azimuth 0 stands in front of the patient.
   camera.toward = Vec3(std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation),

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/facing.hpp"
@@ -66,7 +66,7 @@ std::vector<std::string> note_of_folds(const MeshView& mesh, const ImageDomain& 
       fmt::format("the wall is folded: {} against the image's boundary, the worst at {} by {:.0f} degrees; a "
                   "smaller `edge_length` may help",
                   counted(folds.count, "triangle faces", "triangles face"), place_text(folds.worst_mm),
-                  std::acos(folds.worst_cosine) * 180 / std::numbers::pi)};
+                  degrees(std::acos(folds.worst_cosine)))};
 }
 
 }  // namespace lumesh

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numbers>
 #include <set>
 #include <utility>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/cut_off_cells.hpp"
 #include "lumesh/mesh/edge_loops.hpp"
@@ -100,7 +100,7 @@ std::vector<Patch> drop_empty_patches(MixedMesh& mesh) {
 
 /// Angle inside a mesh between two of its faces, whose normals point out of it.
 double angle_inside_deg(const Vec3& one, const Vec3& other) {
-  return std::acos(std::clamp(-one.dot(other), -1.0, 1.0)) * 180 / std::numbers::pi;
+  return degrees(std::acos(std::clamp(-one.dot(other), -1.0, 1.0)));
 }
 
 /// Area, centre and least wall angle of each named opening, in mm (LPS).

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "flat_rims.hpp"
+#include "lumesh/core/angles.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
@@ -29,7 +29,7 @@ void measure_new(const TriangleMesh& surface, std::size_t first, ClosedRim& clos
   }
   closed.area_mm2 = sum.area;
   if (sum.area > 0) closed.centre_mm = sum.centre();
-  closed.smallest_angle_deg = std::acos(std::min(1.0, largest_cosine)) * 180 / std::numbers::pi;
+  closed.smallest_angle_deg = degrees(std::acos(std::min(1.0, largest_cosine)));
 }
 
 class Closer {

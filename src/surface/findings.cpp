@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
@@ -21,7 +22,6 @@ namespace lumesh::surfaces {
 namespace {
 
 constexpr const char* kRepair = "lumesh repair IN -o OUT";
-constexpr double kDegree = std::numbers::pi / 180;
 
 class SurfaceCheck {
  public:
@@ -184,9 +184,9 @@ class SurfaceCheck {
       const double cosine = cosine_of_smallest_angle(corner(t, 0), corner(t, 1), corner(t, 2));
       const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
       least = std::min(least, angle);
-      if (angle < kDegree) needles.add(middle_of(t));
+      if (angle < radians(1)) needles.add(middle_of(t));
     }
-    needles.text = fmt::format("triangles with an angle below 1 degree, the least {:.2g}", least / kDegree);
+    needles.text = fmt::format("triangles with an angle below 1 degree, the least {:.2g}", degrees(least));
     keep(std::move(flat));
     keep(std::move(needles));
   }

@@ -3,8 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/surface/planar_patch.hpp"
 #include "rim_triangles.hpp"
@@ -99,7 +99,7 @@ std::int32_t commonest_patch(const TriangleMesh& surface, std::span<const std::u
 }
 
 bool leaves_plane_at_angle(const TriangleMesh& surface, const Rim& rim, double min_angle_deg) {
-  const double max_cosine = std::cos(min_angle_deg * std::numbers::pi / 180);
+  const double max_cosine = cosine_deg(min_angle_deg);
   const std::vector<std::uint32_t> triangles = rim_triangles(surface, {&rim, 1}).front();
   return std::ranges::none_of(triangles, [&](std::uint32_t t) {
     // Under the cap, the surface faces the other way.
