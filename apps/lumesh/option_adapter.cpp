@@ -9,6 +9,7 @@
 
 #include "common.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option_words.hpp"
 #include "lumesh/core/parse_number.hpp"
 #include "lumesh/io/file_formats.hpp"
 

@@ -1,4 +1,5 @@
-// Options as words of a command line, and back.
+#include "lumesh/core/option_words.hpp"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -6,7 +7,6 @@
 #include <sstream>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/core/option.hpp"
 
 namespace lumesh {
 namespace {

@@ -165,7 +165,7 @@ std::string centerline_text(const std::string& path, const CenterlineMade& made,
                      path, lines.lines.size(), lines.points.size(), length_mm(lines), least, most, seconds) +
          (made.labels.size() < 2
               ? ""
-              : fmt::format("labels {} count together as one vessel; --labels takes some\n",
+              : fmt::format("labels {} count together as one vessel, unless some are chosen\n",
                             fmt::join(made.labels, ", "))) +
          lines_of_closed(made.closed);
 }

@@ -46,8 +46,9 @@ class MeshSources final : public metric::SourceData {
   metric::Flow flow(const std::string& file, const std::string& array, const std::string& unit) override {
     if (file == "phantom")
       throw Error(ErrorKind::kUsage,
-                  "only a case whose input is a phantom knows the phantom's flow; make a file of it with "
-                  "`lumesh phantom --velocity FILE` and give that");
+                  "only a case whose input is a phantom knows the phantom's flow; have the phantom write it, "
+                  "too, by " +
+                      option_name("velocity") + " FILE, and give that file");
     return context_.phase("read velocity",
                           [&] { return read_flow_in(mesh_.changing().info(), file, array, unit); });
   }

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "lumesh/core/option.hpp"
+#include "lumesh/core/option_words.hpp"
 #include "lumesh/core/version.hpp"
 #include "lumesh/io/sha256.hpp"
 #include "lumesh/mesh/face_numbers.hpp"
@@ -23,7 +23,7 @@ InputCuts cuts_in(const std::map<std::string, std::string>& provenance) {
   return cuts;
 }
 
-/// Each cut as the command line takes it: "--cut-at 1,2,3", "--cut-plane 1 2 3 0 0 1".
+/// Words of each cut: "--cut-at 1,2,3", "--cut-plane 1 2 3 0 0 1".
 std::vector<std::string> words_of(InputCuts cuts) {
   return option_words(options_of(cuts));
 }

@@ -245,10 +245,10 @@ std::string walled_ends_warning(const MixedMesh& mesh) {
       return fmt::format("no patch is an opening: {} count as wall; take a file in which they are patches",
                          counted(names.size(), "flat end"));
     return fmt::format(
-        "no patch is an opening: the flat {} {} {} as wall; say what they are, as in lumesh rename --name "
+        "no patch is an opening: the flat {} {} {} as wall; say what they are by renaming them, {} "
         "{}=NAME:inlet",
         names.size() == 1 ? "patch" : "patches", fmt::join(names, ", "),
-        names.size() == 1 ? "counts" : "count", *names.begin());
+        names.size() == 1 ? "counts" : "count", option_name("name"), *names.begin());
   } catch (const Error& error) {  // It is not closed, say: nobody knows then.
     if (error.kind() != ErrorKind::kBadInput) throw;
     return "";

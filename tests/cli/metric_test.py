@@ -43,7 +43,7 @@ class OfferedTest(MetricCommandTest):
     """What the help offers of cases and images can be meant, or is refused with a way."""
 
     def test_the_flow_of_a_phantom_is_that_of_a_case(self):
-        self.refused(USAGE, "--velocity", "phantom", None, "only a case", "lumesh phantom --velocity FILE")
+        self.refused(USAGE, "--velocity", "phantom", None, "only a case", "by --velocity FILE")
 
     def test_all_frames_are_not_offered_where_one_is_needed(self):
         self.assertNotIn("--all-frames", self.run_well("metric", "--help").stdout)

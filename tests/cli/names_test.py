@@ -293,7 +293,7 @@ class NamesTest(ProgramTest):
         begin, end = text.index("$Comments"), text.index("$EndComments")  # Where lumesh says the kinds.
         text = text[:begin] + text[end + len("$EndComments\n"):]
         bare.write_text(text.replace('"inlet_a"', '"ica"').replace('"outlet_b"', '"m1"'), encoding="utf-8")
-        words = "no patch is an opening: the flat patches ica, m1 count as wall; say what they are, as in lumesh rename --name ica=NAME:inlet"
+        words = "no patch is an opening: the flat patches ica, m1 count as wall; say what they are by renaming them, --name ica=NAME:inlet"
         for command in (("convert", bare, self.folder / "case.foam"), ("layers", bare, *LAYERS, "-o", self.folder / "layered.vtu"),
                         ("info", bare)):
             self.assertEqual(self.run_well(*command).stderr.count(words), 1, command)

@@ -271,16 +271,6 @@ void require_given_of(const Described& described, std::string_view name) {
   require_given(options_of(copy), name);
 }
 
-/// Cuts and such, as words of the command line: "--cut-at 1,2,3" for each row that there is, and each value
-/// of a text. Options of other kinds are left out.
-[[nodiscard]] std::vector<std::string> option_words(const OptionList& list);
-/// Takes such words. Other options among them, and what has no sense, are skipped: the words are what a file
-/// says, which may be damaged.
-void take_option_words(const std::string& words, const OptionList& list);
-
-/// An option's name on the command line: "--split-above" for "split_above".
-[[nodiscard]] std::string flag_of(std::string_view name);
-
 /// An option's name in a message, neutral to how a front end spells it: `name`.
 [[nodiscard]] std::string option_name(std::string_view name);
 

@@ -48,7 +48,7 @@ void try_cuts(const LabelImage& image, const Polylines& lines, std::span<const C
                                                  std::span<const Opening> openings, std::size_t enough,
                                                  Context& context);
 
-/// "x,y,z", as the option --cut-at takes it.
+/// "x,y,z", as the option `cut_at` takes it.
 [[nodiscard]] std::string cut_place_text(const Vec3& place_mm);
 
 /// A line that says how to open the widest one that can be cut; empty without any.

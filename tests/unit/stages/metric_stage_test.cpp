@@ -89,7 +89,7 @@ TEST(MetricStage, FilesThatHoldNoMetricAreRefused) {
 TEST(MetricStage, ThePhantomsFlowIsKnownToCasesAlone) {
   MeshMetricRequest request;
   request.metric.source<metric::VelocitySource>().velocity = "phantom";
-  EXPECT_NE(refusal_of(request, ErrorKind::kUsage).find("lumesh phantom --velocity"), std::string::npos);
+  EXPECT_NE(refusal_of(request, ErrorKind::kUsage).find("by `velocity` FILE"), std::string::npos);
 }
 
 TEST(MetricStage, LimitsHoldAndTheComplexityIsThatOfTheFormulaOnTheMesh) {
