@@ -9,7 +9,6 @@
 #include "lumesh/pipeline/pipeline.hpp"
 
 namespace lumesh::cli {
-
 namespace {
 
 struct RunCommand {
@@ -27,6 +26,7 @@ Case case_of(const RunCommand& command) {
   const auto is_given = [&](const char* flag) { return command.run.command->get_option(flag)->count() > 0; };
   if (is_given("--threads")) c.run.threads = command.run.threads;
   if (is_given("--time-limit")) c.run.time_limit_s = command.run.time_limit_s;
+  c.run.resumes = command.resumes;
   c.run.checkpoints = c.run.checkpoints || command.keeps_checkpoints || command.resumes;
   return c;
 }
@@ -42,7 +42,7 @@ void run(const RunCommand& command, const Case& c, const std::string& json_path)
   });
   if (command.only_predicts) return say(command.run, "{}", predict_case(c, session.context).text());
   const LongRun long_run(options);
-  const CaseResult result = run_case(c, command.resumes, session.context);
+  const CaseResult result = run_case(c, session.context);
   say(command.run, "{}", result.text());
   write_json(json_path, report::case_report_json(result.report));
   result.require_good(long_run.reason(result.complete));

@@ -26,15 +26,6 @@ void require_size(double size_mm, const std::string& what) {
   require(size_mm > 0, fmt::format("{} must be a length greater than 0 mm, not {:g}", what, size_mm));
 }
 
-class ConstantSizing final : public Sizing {
- public:
-  explicit ConstantSizing(double size_mm) : size_mm_(size_mm) {}
-  [[nodiscard]] double size_at(const Vec3& /*point_mm*/, Label /*label*/) const override { return size_mm_; }
-
- private:
-  double size_mm_;
-};
-
 class LabelSizing final : public Sizing {
  public:
   explicit LabelSizing(const LabelSizeOptions& options)
@@ -237,11 +228,6 @@ void BoundarySizeOptions::describe(OptionList& list) {
       .zero("none");
   list.number("size_growth", growth, at_least(0), "Growth of that size per distance from them")
       .needs("size_boundary");
-}
-
-std::unique_ptr<Sizing> constant_size(double size_mm) {
-  require_size(size_mm, "a constant size");
-  return std::make_unique<ConstantSizing>(size_mm);
 }
 
 std::unique_ptr<Sizing> size_per_label(const LabelSizeOptions& options) {

@@ -18,7 +18,7 @@ namespace {
 class LayerBuilder {
  public:
   LayerBuilder(const Footing& footing, const ExtrusionFrame& frame, const Columns& columns,
-               const LayerOptions& options, Label label)
+               const LayerOptions& options)
       : mesh_(footing.mesh),
         faces_(footing.faces),
         selection_(footing.selection),
@@ -29,7 +29,7 @@ class LayerBuilder {
         columns_(columns),
         options_(options),
         is_inward_(options.side == LayerSide::kInward),
-        label_(label) {
+        label_(options.label) {
     for (std::uint32_t v = 0; v < surface_.points.size(); ++v) counts_.push_back(columns.count(v));
   }
 
@@ -254,8 +254,8 @@ class LayerBuilder {
 }  // namespace
 
 MixedMesh with_layers(const Footing& footing, const ExtrusionFrame& frame, const Columns& columns,
-                      const LayerOptions& options, Label label) {
-  return LayerBuilder(footing, frame, columns, options, label).build();
+                      const LayerOptions& options) {
+  return LayerBuilder(footing, frame, columns, options).build();
 }
 
 }  // namespace lumesh::layers

@@ -21,8 +21,8 @@ struct Footing {
   MetricAtFoot metric;                         ///< None where the mesh has none.
 };
 
-/// The mesh with its layers. @param label  Label of the layers.
+/// The mesh with its layers.
 [[nodiscard]] MixedMesh with_layers(const Footing& footing, const ExtrusionFrame& frame,
-                                    const Columns& columns, const LayerOptions& options, Label label);
+                                    const Columns& columns, const LayerOptions& options);
 
 }  // namespace lumesh::layers

@@ -161,8 +161,7 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Patch
   Columns& columns = wanted.columns;
   const auto layers_on = [&](const Footing& footing) {
     LayerResult result;
-    result.mesh =
-        context.phase("cells", [&] { return with_layers(footing, frame, columns, options, options.label); });
+    result.mesh = context.phase("cells", [&] { return with_layers(footing, frame, columns, options); });
     result.report = report_on(mesh, frame, wanted, is_inward);
     result.report.cells = result.mesh.view().cell_count() - footing.mesh.tet_count();
     if (columns.are_empty())

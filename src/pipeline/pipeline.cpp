@@ -30,9 +30,10 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// One run: its state, its report, and what is kept on disk.
 class CaseRun {
  public:
-  CaseRun(const Case& c, bool resumes, Context& context)
+  CaseRun(const Case& c, Context& context)
       : state_(c, context),
-        checkpoints_(c.run.checkpoints ? folder_of(c) / "checkpoints" : std::filesystem::path(), resumes) {
+        checkpoints_(c.run.checkpoints ? folder_of(c) / "checkpoints" : std::filesystem::path(),
+                     c.run.resumes) {
     result_.folder = folder_of(c).string();
     state_.has_earlier_results = has_results(c);
   }
@@ -272,9 +273,9 @@ std::vector<Case> cases_of_frames(const Case& c) {
   return cases;
 }
 
-CaseResult run_case(const Case& c, bool resumes, Context& context) {
+CaseResult run_case(const Case& c, Context& context) {
   pipeline::check_outputs(c);
-  pipeline::CaseRun run(c, resumes, context);
+  pipeline::CaseRun run(c, context);
   run.read_input();
   if (c.needs_centerline()) run.make_centerline();
   run.change_mesh(pipeline::CaseStage::kMesh, pipeline::make_mesh);

@@ -42,9 +42,6 @@ class Sizing {
 
 inline constexpr double kAnySize = std::numeric_limits<double>::infinity();
 
-/// One size everywhere. Cost of a call: 3 ns.
-[[nodiscard]] std::unique_ptr<Sizing> constant_size(double size_mm);
-
 struct LabelSizeOptions {
   std::map<Label, double> sizes_mm = {};  ///< Sizes > 0 inside labels.
   double elsewhere_mm = kAnySize;         ///< Size inside the labels that are not named.

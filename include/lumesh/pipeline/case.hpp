@@ -64,6 +64,8 @@ struct RunKeys {
   int threads = 0;                                                ///< 0: all cores.
   double time_limit_s = std::numeric_limits<double>::infinity();  ///< Infinite: none.
   bool checkpoints = false;
+  /// Whether stages whose checkpoint has their key are read instead of made; no key of case files.
+  bool resumes = false;
 
   void describe(OptionList& list);
 };

@@ -31,11 +31,10 @@ struct CaseResult {
 /// setting that was in force. Each stage says one line to context.info() when it is done.
 ///
 /// With checkpoints, what each stage leaves is kept in the folder `checkpoints`, with a key made of all that
-/// it depends on: contents of files, settings, the version.
-/// @param resumes  Stages whose checkpoint has their key are read instead of made; the result has the same
-/// bits.
+/// it depends on: contents of files, settings, the version. A run that resumes has a bitwise identical
+/// result.
 /// @throws Error as the stages do; files are written beside their targets and renamed when complete.
-[[nodiscard]] CaseResult run_case(const Case& c, bool resumes, Context& context);
+[[nodiscard]] CaseResult run_case(const Case& c, Context& context);
 
 /// The case itself, or, where all frames of its image are wanted, a case for each, with a folder of its own
 /// in that of the case. @throws Error{kBadInput} as count_frames().

@@ -257,7 +257,7 @@ TEST(BuiltInSizing, AMeshInterpolatesLogarithmsOfSizes) {
 
 TEST(BuiltInSizing, TheSmallestOfSeveralCounts) {
   std::vector<std::unique_ptr<Sizing>> parts;
-  parts.push_back(constant_size(2));
+  parts.push_back(size_per_label({.elsewhere_mm = 2}));
   parts.push_back(size_per_label({{{3, 0.5}}}));
   const auto sizing = combined_size(std::move(parts));
   EXPECT_EQ(sizing->size_at({0, 0, 0}, 3), 0.5);
@@ -287,8 +287,8 @@ TEST(BuiltInSizing, AnswersTheSameOnManyThreads) {
 TEST(BuiltInSizing, ParametersThatMakeNoSenseAreRefused) {
   const double nan = std::nan("");
   const std::vector<Vec3> one = {Vec3::Zero()};
-  EXPECT_THROW(static_cast<void>(constant_size(0)), Error);
-  EXPECT_THROW(static_cast<void>(constant_size(nan)), Error);
+  EXPECT_THROW(static_cast<void>(size_per_label({.elsewhere_mm = 0})), Error);
+  EXPECT_THROW(static_cast<void>(size_per_label({.elsewhere_mm = nan})), Error);
   EXPECT_THROW(static_cast<void>(size_per_label({{{1, -1.0}}})), Error);
   EXPECT_THROW(static_cast<void>(size_from_points(one, {})), Error) << "without a floor sizes would be 0";
   EXPECT_THROW(static_cast<void>(size_from_points(one, {.floor_mm = 2, .ceiling_mm = 1})), Error);

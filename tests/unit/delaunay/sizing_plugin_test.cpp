@@ -160,7 +160,7 @@ TEST(SizingPlugin, CountsTheAnswersOfAllThreads) {
 
 TEST(SizingPlugin, CombinedWithOthersItKeepsItsWarnings) {
   std::vector<std::unique_ptr<Sizing>> parts;
-  parts.push_back(constant_size(3));
+  parts.push_back(size_per_label({.elsewhere_mm = 3}));
   parts.push_back(std::make_unique<PluginSizing>(plugin("not_a_number")));
   parts.push_back(std::make_unique<PluginSizing>(plugin("only_criterion")));
   const auto all = combined_size(std::move(parts));

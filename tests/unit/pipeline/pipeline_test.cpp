@@ -34,7 +34,7 @@ class WholeCase : public ::testing::Test {
 
   CaseResult run() {
     Context context;
-    return run_case(case_, false, context);
+    return run_case(case_, context);
   }
   [[nodiscard]] TetMesh mesh() const { return TetMesh::build(read_mesh(folder_ / "mesh.vtu").view()); }
 
@@ -232,7 +232,7 @@ TEST_F(WholeCase, AStopInAnyPhaseLeavesAValidMeshOrNothing) {
     });
     try {
       CaseResult result;
-      parallel::run_cancellable(abandon.get_token(), [&] { result = run_case(case_, false, context); });
+      parallel::run_cancellable(abandon.get_token(), [&] { result = run_case(case_, context); });
       EXPECT_TRUE(validate(mesh()).ok()) << wanted;
       if (phases <= wanted) break;  // It was done before.
       kept += result.complete ? 0 : 1;
@@ -254,7 +254,7 @@ TEST_F(WholeCase, APatchForLayersThatCannotBeIsRefusedBeforeAnyMesh) {
   std::vector<std::string> said;
   context.report_info_to([&](std::string_view line) { said.emplace_back(line); });
   try {
-    static_cast<void>(run_case(case_, false, context));
+    static_cast<void>(run_case(case_, context));
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("[layers] patches: there will be no patch walls"),
