@@ -78,21 +78,16 @@ class VertexSlide {
   double move(std::uint32_t v) {
     const std::optional<Vec3> way = way_of(v);
     if (!way) return 0;
-    const Vec3 before = mesh_.points[v];
     const std::vector<double> volumes = volumes_around(v);
     const std::vector<Vec3> normals = normals_around(v);
-    mesh_.points[v] += *way;
-    const double height = std::exchange(heights_[v], 0);
-    if (is_good(v, volumes, normals)) return way->norm();
-    mesh_.points[v] = before;
-    heights_[v] = height;
-    return 0;
+    const bool stays =
+        slide_point(v, *way, mesh_.points, heights_, [&] { return is_good(v, volumes, normals); });
+    return stays ? way->norm() : 0;
   }
 
   /// Square to the plane inside, along the wall on one; none where walls bend or meet. An opening that the
   /// plane is parallel to goes with it.
   [[nodiscard]] std::optional<Vec3> way_of(std::uint32_t v) const {
-    constexpr double kSmooth = 0.85;
     std::vector<Vec3> normals = normals_around(v);
     Vec3 mean = Vec3::Zero();
     std::optional<std::int32_t> patch;
@@ -106,7 +101,7 @@ class VertexSlide {
     if (!patch) return Vec3(-heights_[v] * normal_);
     mean.stableNormalize();
     for (std::size_t i = 0; i < normals.size(); ++i)
-      if (!is_parallel(triangles_.of(v)[i]) && normals[i].dot(mean) < kSmooth * normals[i].norm())
+      if (!is_parallel(triangles_.of(v)[i]) && normals[i].dot(mean) < kSmoothCosine * normals[i].norm())
         return std::nullopt;
     return way_into_plane(heights_[v], normal_, mean);
   }
@@ -137,7 +132,7 @@ class VertexSlide {
 
   [[nodiscard]] bool is_good(std::uint32_t v, const std::vector<double>& volumes,
                              const std::vector<Vec3>& normals) const {
-    constexpr double kVolume = 0.2, kCosine = 0.7;
+    constexpr double kVolume = 0.2;
     const auto is_in_plane = [&](const auto& corners) {
       return std::ranges::all_of(corners, [&](std::uint32_t w) { return heights_[w] == 0; });
     };
@@ -148,7 +143,7 @@ class VertexSlide {
     const std::vector<Vec3> normals_now = normals_around(v);
     for (std::size_t i = 0; i < normals.size(); ++i)
       if ((is_in_plane(mesh_.triangles[triangles_.of(v)[i]]) && !is_parallel(triangles_.of(v)[i])) ||
-          normals_now[i].dot(normals[i]) < kCosine * normals_now[i].norm() * normals[i].norm())
+          !turns_little(normals[i], normals_now[i]))
         return false;
     return true;
   }

@@ -192,7 +192,6 @@ std::vector<double> heights_over(const SectionPlane& plane, const std::vector<Ve
 
 /// Vertices where the surface is smooth and of one patch: others are kept by what they lie on.
 std::vector<std::uint8_t> smooth_vertices(const TriangleMesh& surface, const parallel::Adjacency& around) {
-  constexpr double kSmooth = 0.85;  // Cosine.
   std::vector<std::uint8_t> is_smooth(surface.points.size(), 1);
   for (std::uint32_t v = 0; v < is_smooth.size(); ++v) {
     const auto triangles = around.of(v);
@@ -203,7 +202,7 @@ std::vector<std::uint8_t> smooth_vertices(const TriangleMesh& surface, const par
     for (const std::uint32_t t : triangles) mean += normal_of(t);
     mean.stableNormalize();
     for (const std::uint32_t t : triangles)
-      if (surface.patches[t] != surface.patches[triangles[0]] || normal_of(t).dot(mean) < kSmooth)
+      if (surface.patches[t] != surface.patches[triangles[0]] || normal_of(t).dot(mean) < kSmoothCosine)
         is_smooth[v] = 0;
   }
   return is_smooth;

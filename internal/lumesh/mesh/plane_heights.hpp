@@ -43,6 +43,28 @@ inline constexpr const char* kCutSide = "; what lies on the normal's side is cut
   return Vec3(-height / rise * along);
 }
 
+/// Moves a point by its way into a plane; back again unless is_good() then. @return Whether it stays there.
+template <class IsGood>
+bool slide_point(std::uint32_t v, const Vec3& way, std::vector<Vec3>& points, std::vector<double>& heights,
+                 const IsGood& is_good) {
+  const Vec3 before = points[v];
+  points[v] += way;
+  const double height = std::exchange(heights[v], 0);
+  if (is_good()) return true;
+  points[v] = before;
+  heights[v] = height;
+  return false;
+}
+
+/// Cosine of a triangle to the mean around a vertex, below which vertices there do not slide.
+inline constexpr double kSmoothCosine = 0.85;
+
+/// Whether a triangle has turned little while one of its corners slid. @param before, after  Its normals.
+[[nodiscard]] inline bool turns_little(const Vec3& before, const Vec3& after) {
+  constexpr double kCosine = 0.7;
+  return after.dot(before) >= kCosine * after.norm() * before.norm();
+}
+
 /// New points where edges pass through a plane; each edge has one.
 class EdgeCrossings {
  public:
