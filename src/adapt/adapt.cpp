@@ -210,10 +210,6 @@ AdaptReport adapt_by(TetMesh& mesh, const metric::MetricField& field, const oper
   return run.report();
 }
 
-}  // namespace
-
-namespace {
-
 AdaptReport adapt_once(TetMesh& mesh, const metric::MetricField& field, const operators::PatchShapes& shapes,
                        const AdaptOptions& options, Context& context) {
   options.validate();

@@ -201,10 +201,6 @@ void improve_by(TetMesh& mesh, const ImproveOptions& options, Context& context, 
   report.complete = !context.cancelled();
 }
 
-}  // namespace
-
-namespace {
-
 /// Corners never slide.
 void make_corners(TetMesh& mesh, const std::vector<PatchId>& patches, const operators::Stays& stays) {
   if (stays)

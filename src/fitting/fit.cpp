@@ -18,6 +18,11 @@ namespace lumesh::fitting {
 
 namespace {
 
+/// Sweeps over the vertices near the boundary, and rounds of such, of each step: what is left after them are
+/// single places, for which later steps look.
+constexpr int kLatticeSweeps = 4, kApproachSweeps = 1, kProtrusionSweeps = 3, kFitSweeps = 2,
+              kImproveSweeps = 4, kCutRounds = 3;
+
 /// @param deviations    Those of outlier triangles count.
 /// @param distances_mm  Distances of the deviating probes from the surface.
 FitReport report_on(const std::vector<Deviation>& deviations, const std::vector<double>& distances_mm,
@@ -61,7 +66,7 @@ std::vector<Vec3> approach(WorkMesh& mesh, BoundaryModel& boundary, const FitSet
                            VertexBlocks& blocks) {
   std::vector<Vec3> lattice_mm = mesh.positions;
   VertexTargets targets;
-  Fitter(mesh, boundary, targets, setting, blocks).approach(4);
+  Fitter(mesh, boundary, targets, setting, blocks).approach(kLatticeSweeps);
   choose_rims(mesh, boundary, setting.domain);
   const std::vector<std::uint32_t> kept = remove_exposed(mesh, boundary, setting.domain);
   keep_vertices(blocks, kept);
@@ -76,12 +81,13 @@ std::vector<Vec3> approach(WorkMesh& mesh, BoundaryModel& boundary, const FitSet
 void fit_boundary(Fitter& fitter, DeviationFinder& finder, const WorkMesh& mesh,
                   const BoundaryModel& boundary, const ImageDomain& domain, VertexTargets& targets) {
   constexpr double kProtrusionVoxels = 1.1;  // probes further from the surface attract it
-  fitter.approach(1);
+  fitter.approach(kApproachSweeps);
   fitter.attract_to_protrusions(
-      finder.find_probe_deviations(mesh, boundary, kProtrusionVoxels * domain.voxel_size_mm()), 3);
+      finder.find_probe_deviations(mesh, boundary, kProtrusionVoxels * domain.voxel_size_mm()),
+      kProtrusionSweeps);
   targets.offset_mm = fitter.averaged(sagitta_offsets_mm(mesh, boundary, domain));
-  fitter.fit(2);
-  fitter.fit_and_improve(4, Fitter::kGood);
+  fitter.fit(kFitSweeps);
+  fitter.fit_and_improve(kImproveSweeps, Fitter::kGood);
 }
 
 }  // namespace
@@ -101,7 +107,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
     step();
     undo_crossings(mesh, boundary, domain, before_mm, setting.limits);
   };
-  without_crossing([&] { fitter.bring_within_cuts(3, 4, Fitter::kGood); });
+  without_crossing([&] { fitter.bring_within_cuts(kCutRounds, kImproveSweeps, Fitter::kGood); });
   fitter.squeeze_within_cuts();
 
   WholeMesh whole{mesh, boundary, targets, std::move(lattice_mm), {}, {}};

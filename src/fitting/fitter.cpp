@@ -512,8 +512,8 @@ void Fitter::fit_if_away(std::uint32_t v) {
   if (constrained(v) && distance_to_target(v) > kArrived * domain_.voxel_size_mm()) fit_vertex(v, floor_);
 }
 
-/// Looks for a better place by compass search, on the boundary if the vertex is bound to it. Anchored
-/// vertices stay.
+/// Looks for a better place by compass search (Kolda, Lewis and Torczon 2003, doi:10.1137/S003614450242889),
+/// on the boundary if the vertex is bound to it. Anchored vertices stay.
 void Fitter::improve_vertex(std::uint32_t v, double good_enough) {
   if (targets_.anchors_mm[v]) return;
   const Vec3 x = mesh_.positions[v];

@@ -289,10 +289,6 @@ RawImage read_dicom_series(const fs::path& path, const FileChoice& choice, Conte
   return image;
 }
 
-}  // namespace
-
-namespace {
-
 /// Calls use(reader), or otherwise(), with faults of ITK as ours.
 template <class Use, class Otherwise>
 auto with_reader(const fs::path& path, const Use& use, const Otherwise& otherwise) {
