@@ -10,14 +10,14 @@
 namespace lumesh::field {
 
 enum class BorderParts {
-  kObject,          ///< What is not background, whatever its label.
+  kObject,          ///< Voxels that are not background, whatever their label.
   kEnclosedLabels,  ///< Labels within one other label, as the lumen of a vessel within its wall.
 };
 
 /// Voxels of one part, connected over sides, in the image's first or last layer along an axis.
 struct BorderPiece {
   SectionWindow window;
-  LabelIndex label = 0, around = 0;  ///< Of an enclosed piece, and around it; 0 of the object.
+  LabelIndex label = 0, around = 0;  ///< The piece's if it is enclosed, and that around it; else 0.
   IndexBox voxels;
   std::size_t first = 0;     ///< A voxel, by its number in the layer.
   std::size_t count = 0;     ///< Voxels.

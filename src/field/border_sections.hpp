@@ -12,7 +12,7 @@ namespace lumesh::field {
 
 /// A shift of a boundary near one opening.
 struct BorderShift {
-  LabelField::LabelIndex label = 0;   ///< Whose boundary; 0: that of all labels against the background.
+  LabelField::LabelIndex label = 0;   ///< The one inside; 0: all labels together, against the background.
   LabelField::LabelIndex around = 0;  ///< The label on its other side.
   int axis = 0;                       ///< Across the border.
   bool is_upper = false;
