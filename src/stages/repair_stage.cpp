@@ -92,13 +92,13 @@ void require_no_faults(const TriangleMesh& result, const std::string& consequenc
     if (shell.volume_mm3 == 0) throw_unrepairable("it encloses nothing", shell.place_mm);
 }
 
-void rebuild(const MixedMesh& given, RepairOutcome& outcome, TriangleMesh& result, Context& context) {
+void rebuild(const MixedMesh& given, RepairOutcome& outcome, TriangleMesh& result) {
   const TriangleMesh mesh = turned_outwards(given);
   const std::vector<surfaces::Rim> rims = surfaces::find_rims(mesh);
   const std::string before = outcome.local_failure.empty() ? "" : outcome.local_failure + "; ";
   if (const Vec3* const opening = place_of_opening(rims, mesh))
     throw_unrepairable(before + "rebuilding would close the opening", *opening);
-  RebuiltSurface made = rebuild_surface(mesh, outcome.max_distance_mm, context);
+  RebuiltSurface made = rebuild_surface(mesh, outcome.max_distance_mm);
   if (!made.failure.empty()) throw_unrepairable(before + made.failure, made.failure_mm);
   outcome.was_rebuilt = true;
   outcome.spacing_mm = made.spacing_mm;
@@ -147,7 +147,7 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
   outcome.given_components = count_components(surfaces::weld(given.points, given.triangles, given.patches));
   TriangleMesh result;
   if (request.method != RepairMethod::kRebuild) result = repaired_locally(given, request, outcome);
-  if (result.triangles.empty()) rebuild(surface, outcome, result, context);
+  if (result.triangles.empty()) rebuild(surface, outcome, result);
   constexpr std::uint64_t kScrap = 20;  // Triangles that cutting may leave at an end.
   if (!outcome.was_rebuilt && outcome.report.hanging_triangles > kScrap)
     context.warn(

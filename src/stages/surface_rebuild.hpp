@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "lumesh/core/context.hpp"
 #include "lumesh/surface/distance.hpp"
 
 namespace lumesh {
@@ -16,12 +15,10 @@ struct RebuiltSurface {
   Vec3 failure_mm = Vec3::Zero();
 };
 
-/// Inside is where the given surface winds around a point (WindingNumbers above 1/2), on a grid so fine that
-/// what is made lies within the distance; the grid with signed distances is meshed as an image is. Parts of
-/// the given surface that lie inside, such as those of tubes that cross, do not count for the distance. New
-/// triangles take the patch of the nearest given one.
+/// Inside is where the given surface winds around a point more than half; its boundary is contoured
+/// (surfaces::contour_of_inside()) on a grid so fine that it lies within the distance. Parts of the given
+/// surface that lie inside, such as those of tubes that cross, do not count for the distance.
 /// @param given  Turned alike and outwards, without openings.
-[[nodiscard]] RebuiltSurface rebuild_surface(const TriangleMesh& given, double max_distance_mm,
-                                             Context& context);
+[[nodiscard]] RebuiltSurface rebuild_surface(const TriangleMesh& given, double max_distance_mm);
 
 }  // namespace lumesh
