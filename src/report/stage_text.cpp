@@ -63,6 +63,8 @@ std::string text_of_repairs(const RepairOutcome& outcome) {
   const auto line = [&](std::uint64_t count, const std::string& what) {
     if (count > 0) text += fmt::format("{:>8}  {}\n", count, what);
   };
+  line(r.stray_pieces, fmt::format("flat pieces by themselves left out, {:.3g} mm² in all, the largest at {}",
+                                   r.stray_area_mm2, place_text(r.stray_mm)));
   if (outcome.was_rebuilt) {
     if (!outcome.local_failure.empty())
       text += fmt::format("local repair is not enough: {}\n", outcome.local_failure);

@@ -15,6 +15,7 @@
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/loose_triangles.hpp"
 #include "lumesh/surface/repair.hpp"
 #include "lumesh/surface/rims.hpp"
 #include "lumesh/surface/shells.hpp"
@@ -39,8 +40,7 @@ std::uint64_t count_components(const TriangleMesh& surface) {
 
 /// The surface turned outwards: what is inside of it is what the whole is about, whichever way its triangles
 /// are turned.
-TriangleMesh turned_outwards(const MixedMesh& surface) {
-  TriangleMesh mesh = surfaces::weld(surface.points, surface.triangles, surface.triangle_patches);
+TriangleMesh turned_outwards(TriangleMesh mesh) {
   surfaces::without_triangles(mesh, surfaces::duplicate_triangles(mesh.triangles));
   surfaces::turn_alike(mesh);
   std::vector<surfaces::Rim> rims = surfaces::find_rims(mesh);
@@ -73,7 +73,11 @@ double diagonal_mm(const MixedMesh& surface) {
 TriangleMesh repaired_locally(const TriangleMesh& given, const RepairRequest& request,
                               RepairOutcome& outcome) {
   surfaces::RepairedSurface repaired = surfaces::repair_locally(given, outcome.max_distance_mm);
+  const surfaces::RepairReport before = outcome.report;
   outcome.report = repaired.report;
+  outcome.report.stray_pieces = before.stray_pieces;
+  outcome.report.stray_area_mm2 = before.stray_area_mm2;
+  outcome.report.stray_mm = before.stray_mm;
   if (!repaired.ok() && request.method == RepairMethod::kLocal)
     throw_unrepairable(repaired.failure, repaired.failure_mm);
   outcome.local_failure = repaired.failure;
@@ -92,7 +96,22 @@ void require_no_faults(const TriangleMesh& result, const std::string& consequenc
     if (shell.volume_mm3 == 0) throw_unrepairable("it encloses nothing", shell.place_mm);
 }
 
-void rebuild(const MixedMesh& given, RepairOutcome& outcome, TriangleMesh& result) {
+/// Leaves stray pieces out, which would be filled and enclose nothing.
+void drop_stray_pieces(TriangleMesh& surface, surfaces::RepairReport& report) {
+  double largest_mm2 = 0;
+  std::vector<std::uint32_t> triangles;
+  for (const surfaces::StrayPiece& piece : surfaces::stray_pieces(surface)) {
+    triangles.insert(triangles.end(), piece.triangles.begin(), piece.triangles.end());
+    ++report.stray_pieces;
+    report.stray_area_mm2 += piece.area_mm2;
+    if (piece.area_mm2 > largest_mm2) report.stray_mm = piece.place_mm;
+    largest_mm2 = std::max(largest_mm2, piece.area_mm2);
+  }
+  std::ranges::sort(triangles);
+  surfaces::without_triangles(surface, triangles);
+}
+
+void rebuild(const TriangleMesh& given, RepairOutcome& outcome, TriangleMesh& result) {
   const TriangleMesh mesh = turned_outwards(given);
   const std::vector<surfaces::Rim> rims = surfaces::find_rims(mesh);
   const std::string before = outcome.local_failure.empty() ? "" : outcome.local_failure + "; ";
@@ -143,11 +162,12 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
   surfaces::require_triangles(surface.triangles);
   RepairOutcome outcome;
   outcome.max_distance_mm = request.max_distance_mm(diagonal_mm(surface));
-  const TriangleMesh given{surface.points, surface.triangles, surface.triangle_patches, {}};
-  outcome.given_components = count_components(surfaces::weld(given.points, given.triangles, given.patches));
+  TriangleMesh given = surfaces::weld(surface.points, surface.triangles, surface.triangle_patches);
+  outcome.given_components = count_components(given);
+  drop_stray_pieces(given, outcome.report);
   TriangleMesh result;
   if (request.method != RepairMethod::kRebuild) result = repaired_locally(given, request, outcome);
-  if (result.triangles.empty()) rebuild(surface, outcome, result);
+  if (result.triangles.empty()) rebuild(given, outcome, result);
   constexpr std::uint64_t kScrap = 20;  // Triangles that cutting may leave at an end.
   if (!outcome.was_rebuilt && outcome.report.hanging_triangles > kScrap)
     context.warn(

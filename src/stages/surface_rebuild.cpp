@@ -1,11 +1,14 @@
 #include "surface_rebuild.hpp"
 
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/surface/contour.hpp"
 #include "lumesh/surface/distance.hpp"
+#include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/winding.hpp"
 
 namespace lumesh {
@@ -25,6 +28,10 @@ class GivenSurface {
     const Vec3 step = step_mm * triangle_normal(mesh_.points, mesh_.triangles[triangle]);
     return winding_.at(point + step) < kInsideWinding || winding_.at(point - step) < kInsideWinding;
   }
+  [[nodiscard]] std::uint32_t parts() const {
+    std::vector<Cell<3>> triangles = mesh_.triangles;
+    return surfaces::turn_alike(triangles, surfaces::edge_neighbours(triangles)).count;
+  }
   [[nodiscard]] const TriangleTree& tree() const { return tree_; }
 
  private:
@@ -43,6 +50,7 @@ RebuiltSurface rebuilt_from(surfaces::Contour contour, double spacing_mm, const 
     made.failure_mm = given.points[given.triangles.front()[0]];
     return made;
   }
+  const bool falls_apart = contour.count_parts() > surface.parts();
   surfaces::make_even(contour, given, surface.tree(), spacing_mm);
   made.surface = surfaces::with_patches(std::move(contour), given, surface.tree());
   const double step = max_distance_mm / 4;
@@ -55,6 +63,9 @@ RebuiltSurface rebuilt_from(surfaces::Contour contour, double spacing_mm, const 
   if (made.moved.distance_mm > max_distance_mm) {
     made.failure = "rebuilt it would move farther than asked";
     made.failure_mm = made.moved.place_mm;
+  } else if (falls_apart) {
+    made.failure = "rebuilt it falls apart";
+    made.failure_mm = made.surface.points[0];
   }
   return made;
 }

@@ -31,6 +31,7 @@ class SurfaceCheck {
   std::vector<Finding> find() {
     look_at_doubles();
     look_at_loose_triangles();
+    look_at_stray_pieces();
     alike_ = surface_;
     neighbours_ = edge_neighbours(surface_.triangles);
     parts_ = turn_alike(alike_);
@@ -104,6 +105,22 @@ class SurfaceCheck {
     for (const std::uint32_t t : triangles) loose.add(middle_of(t));
     without_triangles(surface_, triangles);
     keep(std::move(loose));
+  }
+
+  /// They are looked at no further.
+  void look_at_stray_pieces() {
+    Finding stray = fault("stray_pieces", "");
+    std::vector<std::uint32_t> triangles;
+    double area_mm2 = 0;
+    for (const StrayPiece& piece : stray_pieces(surface_)) {
+      stray.add(piece.place_mm);
+      area_mm2 += piece.area_mm2;
+      triangles.insert(triangles.end(), piece.triangles.begin(), piece.triangles.end());
+    }
+    stray.text = fmt::format("flat pieces of {:.3g} mm² by themselves, which enclose nothing", area_mm2);
+    std::ranges::sort(triangles);
+    without_triangles(surface_, triangles);
+    keep(std::move(stray));
   }
 
   void look_at_edges() {

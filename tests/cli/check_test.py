@@ -94,6 +94,20 @@ class CheckTest(ProgramTest):
         self.assertIn("encloses nothing", found["refused"]["text"])
         self.assert_refused(self.run_lumesh("delaunay", flat, "-o", mesh), BAD_INPUT, "encloses nothing")
 
+    def test_a_stray_triangle_is_told_and_left_out(self):
+        triangles, done = tube(10), self.folder / "done.json"
+        self.write([*triangles, ((40, 0, 0), (42, 0, 0), (41, 1, 1))])
+        found = self.check(self.stl, NOT_REACHED)
+        self.assertEqual(found["stray_pieces"]["count"], 1)
+        self.assertNotIn("holes", found)
+        self.assertLess(math.dist(found["stray_pieces"]["places_mm"][0], (41, 1 / 3, 1 / 3)), 1e-4)
+        said = self.run_well("repair", self.stl, "-o", self.out, "--json", done).stdout
+        self.assertIn("left out", said)
+        told = json.loads(done.read_text())
+        self.assertAlmostEqual(told["stray_area_mm2"], math.sqrt(2), 4)
+        self.assertLess(math.dist(told["stray_at_mm"], (41, 1 / 3, 1 / 3)), 1e-4)
+        self.assertEqual(self.check(self.out), {})
+
     def test_what_cannot_be_read_is_bad_input(self):
         self.stl.write_text("solid x\nfacet")
         self.assert_refused(self.run_lumesh("check", self.stl), BAD_INPUT, "in.stl")

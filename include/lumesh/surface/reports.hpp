@@ -72,6 +72,9 @@ struct RepairReport {
   std::uint64_t loose_triangles = 0;      ///< Left out, as they, or their part, hang at corners only.
   std::uint64_t hanging_triangles = 0;    ///< Triangles of the largest such part.
   Vec3 hanging_mm = Vec3::Zero();         ///< A place of that.
+  std::uint64_t stray_pieces = 0;         ///< Flat pieces by themselves that enclose nothing, left out.
+  double stray_area_mm2 = 0;              ///< Area of all of these.
+  Vec3 stray_mm = Vec3::Zero();           ///< A place of the largest.
   std::uint64_t dropped_parts = 0;        ///< Specks, and parts that lie on others.
   std::uint64_t dropped_triangles = 0;    ///< Triangles of those parts.
   std::uint64_t singular_edges = 0;       ///< Edges of three triangles or more, cut.

@@ -1,5 +1,6 @@
 #pragma once
-/// @file Triangles at the ragged edge of a surface that hang together with it at corners only.
+/// @file Triangles that belong to no wall: those that hang at the ragged edge of a surface at corners only,
+/// and stray pieces.
 
 #include <cstdint>
 #include <vector>
@@ -13,5 +14,16 @@ namespace lumesh::surfaces {
 /// tools leave them where they take away triangles by their corners. Cost: linear,
 /// but for one sort. Threads: parallel inside, the same for every thread count.
 [[nodiscard]] std::vector<std::uint32_t> loose_triangles(const TriangleMesh& surface);
+
+struct StrayPiece {
+  std::vector<std::uint32_t> triangles;
+  double area_mm2 = 0;
+  Vec3 place_mm = Vec3::Zero();  ///< On it.
+};
+/// Pieces besides loose_triangles() that enclose nothing and close nothing: flat discs (seven tenths of their
+/// area lie in one plane) by themselves, with less than 5 % of the largest part's area and at most 5 % of the
+/// whole together, and no nearer to holes of other parts than they are wide. Cost and threads: as for those.
+/// @param surface  Equal points are one, no triangle is there twice.
+[[nodiscard]] std::vector<StrayPiece> stray_pieces(const TriangleMesh& surface);
 
 }  // namespace lumesh::surfaces

@@ -68,5 +68,32 @@ TEST(RepairStage, ALargePartThatHangsAtAPointIsLeftOutWithAWarning) {
   }
 }
 
+/// A ball of radius 5 and a triangle of 0.2 % of its area one beside it.
+MixedMesh ball_with_stray_triangle() {
+  MixedMesh surface = ball();
+  const auto first = static_cast<std::uint32_t>(surface.points.size());
+  const double side = std::sqrt(0.002 * 4 * std::numbers::pi * 25 * 4 / std::numbers::sqrt3);
+  for (const Vec3& corner :
+       {Vec3(0, 0, 0), Vec3(side, 0, 0), Vec3(side / 2, side * std::numbers::sqrt3 / 2, 0)})
+    surface.points.emplace_back(Vec3(0, 0, 6) + corner);
+  surface.triangles.push_back({first, first + 1, first + 2});
+  surface.triangle_patches.push_back(0);
+  return surface;
+}
+
+TEST(RepairStage, AStrayTriangleBesideABallIsLeftOutAndTold) {
+  for (const RepairMethod method : {RepairMethod::kLocal, RepairMethod::kRebuild}) {
+    RepairRequest request;
+    request.method = method;
+    Context context;
+    const RepairOutcome outcome = repair_surface(ball_with_stray_triangle(), request, context);
+    EXPECT_EQ(outcome.report.stray_pieces, 1U);
+    EXPECT_NEAR(outcome.report.stray_area_mm2, 0.002 * 4 * std::numbers::pi * 25, 1e-9);
+    EXPECT_LT((outcome.report.stray_mm - Vec3(0, 0, 6)).norm(), 2);
+    EXPECT_EQ(outcome.report.components, 1U);
+    EXPECT_EQ(outcome.surface.triangles.size() == ball().triangles.size(), method == RepairMethod::kLocal);
+  }
+}
+
 }  // namespace
 }  // namespace lumesh
