@@ -14,6 +14,7 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::surfaces {
@@ -196,10 +197,11 @@ Contour contour_of_inside(const TriangleMesh& given, const PointGrid& grid) {
 TriangleMesh with_patches(Contour contour, const TriangleMesh& given, const TriangleTree& tree) {
   TriangleMesh made;
   made.patches.reserve(contour.triangles.size());
-  for (const auto& [a, b, c] : contour.triangles) {
+  for (const auto& corners : contour.triangles) {
+    const auto& [a, b, c] = corners;
     std::uint32_t triangle = contour.given[b] == contour.given[c] ? contour.given[b] : contour.given[a];
     if (triangle == TriangleTree::kNone)
-      triangle = tree.nearest((contour.points[a] + contour.points[b] + contour.points[c]) / 3).triangle;
+      triangle = tree.nearest(triangle_centre(contour.points, corners)).triangle;
     made.patches.push_back(given.patches[triangle]);
   }
   made.points = std::move(contour.points);

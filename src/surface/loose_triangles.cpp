@@ -129,10 +129,9 @@ std::vector<StrayPiece> stray_pieces(const TriangleMesh& surface) {
     const double reach = box.diagonal().norm();
     const bool is_beside_hole =
         std::ranges::any_of(hole_points, [&](const Vec3& p) { return box.exteriorDistance(p) < reach; });
-    const auto& [a, b, c] = surface.triangles[part->triangles.front()];
     if (!is_beside_hole)
-      pieces.push_back(
-          {part->triangles, part->area_mm2, (surface.points[a] + surface.points[b] + surface.points[c]) / 3});
+      pieces.push_back({part->triangles, part->area_mm2,
+                        triangle_centre(surface.points, surface.triangles[part->triangles.front()])});
   }
   return pieces;
 }
