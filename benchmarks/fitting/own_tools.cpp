@@ -16,12 +16,12 @@
 #include <unordered_set>
 #include <vector>
 
-#include "../src/fitting/cube_keys.hpp"
 #include "../src/fitting/star_quality.hpp"
 #include "../src/lattice/labelled_lattice.hpp"
 #include "../src/operators/angle_star.hpp"
 #include "../src/operators/neighbourhoods.hpp"
 #include "lumesh/core/grid.hpp"
+#include "lumesh/geometry/cube_keys.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/operators/locks.hpp"
@@ -214,11 +214,11 @@ void measure_cubes(const WorkMesh& work, double voxel_mm) {
   std::unordered_set<std::uint64_t> used;
   Box3 box;
   for (const Vec3& p : work.positions) {
-    used.insert(fitting::cube_key(fitting::cube_of(p, 1.5 * voxel_mm)));
+    used.insert(cube_key(cube_of(p, 1.5 * voxel_mm)));
     box.extend(p);
   }
-  const Index3 size = fitting::cube_of(box.max(), 1.5 * voxel_mm) -
-                      fitting::cube_of(box.min(), 1.5 * voxel_mm) + Index3::Ones();
+  const Index3 size =
+      cube_of(box.max(), 1.5 * voxel_mm) - cube_of(box.min(), 1.5 * voxel_mm) + Index3::Ones();
   print("cubes of 1.5 voxels that hold a vertex, all", 1e-3 * static_cast<double>(used.size()),
         1e-3 * static_cast<double>(grid_count(size)), "thousand");
 }
