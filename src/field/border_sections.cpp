@@ -29,11 +29,12 @@ constexpr double kTakenChange = 0.8;  // of the change from the settled sections
 constexpr double kTakenTrend = 0.5;   // of the change a step further in: it goes on to the border
 constexpr double kSteady = 0.03;      // changes a step, and off a steady change, of what is a vessel
 constexpr double kSteadyThin = 0.3;   // over the radius in voxels: beside it, of thin ones
-constexpr double kMostChange = 0.8;
-constexpr double kSteepest = 1.2;     // slope of the axis against the border's normal
-constexpr double kLayerShare = 0.55;  // of the error at the border: that in the middle of the last layer
+constexpr double kMostChange = 0.8,
+                 kMostChangeThick = 1.5;  // the second over the radius in voxels: of thick ones
+constexpr double kSteepest = 1.2;         // slope of the axis against the border's normal
+constexpr double kLayerShare = 0.55;      // of the error at the border: that in the middle of the last layer
 // A disc of radius r holds pi r^2 lattice points, with a standard deviation of about 0.82 sqrt(r).
-constexpr double kCountDeviation = 0.82, kAllowedDeviations = 1.5;
+constexpr double kCountDeviation = 0.82, kAllowedDeviations = 1;
 constexpr double kLeastChange = 0.005;  // of a section
 constexpr double kFading = 1.2;         // of the error, a step
 constexpr double kMostShift = 0.4;      // edges of the smallest voxel, at once
@@ -81,7 +82,7 @@ class Vessel {
     const double trend = (first - deepest) / (kDeepest - kFirstSettled),
                  bend = middle - 0.5 * (first + deepest), slack = kSteadyThin / radius();
     if (std::abs(trend) > kSteady + 0.25 * slack || std::abs(bend) > kSteady + 0.5 * slack ||
-        std::abs(last - first) > kMostChange)
+        std::abs(last - first) > std::min(kMostChange, kMostChangeThick / radius()))
       return std::nullopt;
     double settled = 0;
     for (int depth = kFirstSettled; depth <= kLastSettled; ++depth)
