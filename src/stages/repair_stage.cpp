@@ -163,11 +163,18 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
   RepairOutcome outcome;
   outcome.max_distance_mm = request.max_distance_mm(diagonal_mm(surface));
   TriangleMesh given = surfaces::weld(surface.points, surface.triangles, surface.triangle_patches);
+  surfaces::require_triangles(given.triangles);
   outcome.given_components = count_components(given);
   drop_stray_pieces(given, outcome.report);
   TriangleMesh result;
   if (request.method != RepairMethod::kRebuild) result = repaired_locally(given, request, outcome);
   if (result.triangles.empty()) rebuild(given, outcome, result);
+  if (const std::uint64_t before = count_components(given);
+      outcome.was_rebuilt && outcome.report.components < before)
+    context.warn(fmt::format(
+        "rebuilt, {} components have become {}: what lies within another one or crosses it is joined with "
+        "it, and cavities are filled",
+        before, outcome.report.components));
   constexpr std::uint64_t kScrap = 20;  // Triangles that cutting may leave at an end.
   if (!outcome.was_rebuilt && outcome.report.hanging_triangles > kScrap)
     context.warn(

@@ -8,9 +8,11 @@
 #include <numbers>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "fixtures/surfaces.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
@@ -92,6 +94,39 @@ TEST(RepairStage, AStrayTriangleBesideABallIsLeftOutAndTold) {
     EXPECT_LT((outcome.report.stray_mm - Vec3(0, 0, 6)).norm(), 2);
     EXPECT_EQ(outcome.report.components, 1U);
     EXPECT_EQ(outcome.surface.triangles.size() == ball().triangles.size(), method == RepairMethod::kLocal);
+  }
+}
+
+/// A sphere within another one, turned inwards, is a cavity, which rebuilding fills.
+TEST(RepairStage, ACavityThatRebuildingFillsIsTold) {
+  MixedMesh surface = ball();
+  const auto count = static_cast<std::uint32_t>(surface.points.size());
+  const std::vector<Cell<3>> outer = surface.triangles;
+  for (std::uint32_t v = 0; v < count; ++v) surface.points.push_back(0.4 * surface.points[v]);
+  for (const auto& [a, b, c] : outer) surface.triangles.push_back({a + count, c + count, b + count});
+  surface.triangle_patches.assign(surface.triangles.size(), 0);
+  std::vector<std::string> warnings;
+  Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+  RepairRequest request;
+  EXPECT_EQ(repair_surface(surface, request, context).report.components, 2U);
+  EXPECT_TRUE(warnings.empty());
+  request.method = RepairMethod::kRebuild;
+  request.max_distance.number = 4;  // Percent.
+  EXPECT_EQ(repair_surface(surface, request, context).report.components, 1U);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("2 components have become 1"), std::string::npos) << warnings[0];
+}
+
+/// Reading memory beyond its end came of them.
+TEST(RepairStage, TrianglesOfOnePlaceAreNoSurface) {
+  MixedMesh surface = ball();
+  surface.triangles = {{0, 1, 1}, {2, 2, 2}};
+  surface.triangle_patches = {0, 0};
+  Context context;
+  for (const RepairMethod method : {RepairMethod::kAuto, RepairMethod::kLocal, RepairMethod::kRebuild}) {
+    RepairRequest request;
+    request.method = method;
+    EXPECT_THROW(std::ignore = repair_surface(surface, request, context), Error);
   }
 }
 
