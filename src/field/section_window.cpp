@@ -50,10 +50,11 @@ bool has_hole(const std::vector<std::uint8_t>& inside, const SectionWindow& wind
 Vec3 SectionWindow::place(std::size_t square, double depth) const {
   const auto [u, v] = axes_across(axis);
   const auto wide = static_cast<std::size_t>(columns);
+  const std::size_t row = square / wide;
   Vec3 result;
   result[axis] = border + (is_upper ? -1 : 1) * depth * step;
   result[u] = low[u] - 0.5 + (static_cast<double>(square % wide) + 0.5) / kSquaresPerVoxel;
-  result[v] = low[v] - 0.5 + (static_cast<double>(square / wide) + 0.5) / kSquaresPerVoxel;
+  result[v] = low[v] - 0.5 + (static_cast<double>(row) + 0.5) / kSquaresPerVoxel;
   return result;
 }
 
@@ -126,7 +127,8 @@ void SectionFinder::measure(const std::vector<double>& values, PlaneSection& sec
     const double inside = share(values[s]);
     section.area += inside;
     section.growth += (share(values[s] + 0.5 * square_) - share(values[s] - 0.5 * square_)) / square_;
-    sum += inside * Eigen::Vector2d(static_cast<double>(s % columns), static_cast<double>(s / columns));
+    const std::size_t row = s / columns;
+    sum += inside * Eigen::Vector2d(static_cast<double>(s % columns), static_cast<double>(row));
   }
   section.centre = sum / section.area;
 }

@@ -15,8 +15,8 @@ constexpr std::array<std::array<std::uint8_t, 4>, 6> kCellFaces = {
 std::uint8_t edge_between(std::uint8_t a, std::uint8_t b) {
   const std::uint8_t low = std::min(a, b);
   const int way = a ^ b;
-  for (std::uint8_t e = 0; e < kCellEdges.size(); ++e)
-    if (kCellEdges[e].corner == low && 1 << kCellEdges[e].axis == way) return e;
+  for (std::size_t e = 0; e < kCellEdges.size(); ++e)
+    if (kCellEdges[e].corner == low && 1 << kCellEdges[e].axis == way) return static_cast<std::uint8_t>(e);
   return kNoEdge;
 }
 
@@ -40,9 +40,9 @@ std::array<std::vector<CellLoop>, 256> loops_of_all() {
   std::array<std::vector<CellLoop>, 256> all;
   for (unsigned inner = 0; inner < all.size(); ++inner) {
     std::array<std::uint8_t, 12> next = next_edges(inner);
-    for (std::uint8_t first = 0; first < next.size(); ++first) {
+    for (std::size_t first = 0; first < next.size(); ++first) {
       CellLoop loop;
-      for (std::uint8_t e = first; next[e] != kNoEdge;) {
+      for (auto e = static_cast<std::uint8_t>(first); next[e] != kNoEdge;) {
         loop.push_back(e);
         const std::uint8_t behind = next[e];
         next[e] = kNoEdge;
