@@ -149,7 +149,9 @@ float BorderShift::at(const Index3& voxel) const {
 }
 
 BorderSections::BorderSections(const LabelImage& image, const LabelField& field) {
-  for (const BorderParts parts : {BorderParts::kObject, BorderParts::kEnclosedLabels})
+  for (const BorderParts parts : {BorderParts::kObject, BorderParts::kEnclosedLabels}) {
+    constexpr std::size_t kLumenAndWall = 3;  // With the background.
+    if (parts == BorderParts::kEnclosedLabels && image.values().size() < kLumenAndWall) continue;
     for (int face = 0; face < 6; ++face) {
       const BorderLayer layer(image, parts, face / 2, face % 2 != 0, kMaxLength);
       const std::vector<BorderPiece> pieces = layer.pieces(kWidest, kRoom);
@@ -171,6 +173,7 @@ BorderSections::BorderSections(const LabelImage& image, const LabelField& field)
       for (std::optional<Section>& section : found)
         if (section) sections_.push_back(std::move(*section));
     }
+  }
 }
 
 std::vector<BorderShift> BorderSections::shifts(const LabelField& field) const {

@@ -111,7 +111,7 @@ void drop_stray_pieces(TriangleMesh& surface, surfaces::RepairReport& report) {
   surfaces::without_triangles(surface, triangles);
 }
 
-void rebuild(const TriangleMesh& given, RepairOutcome& outcome, TriangleMesh& result) {
+void rebuild(const TriangleMesh& given, RepairOutcome& outcome, TriangleMesh& result, Context& context) {
   const TriangleMesh mesh = turned_outwards(given);
   const std::vector<surfaces::Rim> rims = surfaces::find_rims(mesh);
   const std::string before = outcome.local_failure.empty() ? "" : outcome.local_failure + "; ";
@@ -125,6 +125,12 @@ void rebuild(const TriangleMesh& given, RepairOutcome& outcome, TriangleMesh& re
   outcome.report.new_triangles = made.surface.triangles.size();
   outcome.report.components = count_components(made.surface);
   result = std::move(made.surface);
+  const std::uint64_t components = count_components(given);
+  if (outcome.report.components < components)
+    context.warn(fmt::format(
+        "rebuilt, {} components have become {}: what lies within another one or crosses it is joined with "
+        "it, and cavities are filled",
+        components, outcome.report.components));
 }
 
 }  // namespace
@@ -168,13 +174,7 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
   drop_stray_pieces(given, outcome.report);
   TriangleMesh result;
   if (request.method != RepairMethod::kRebuild) result = repaired_locally(given, request, outcome);
-  if (result.triangles.empty()) rebuild(given, outcome, result);
-  if (const std::uint64_t before = count_components(given);
-      outcome.was_rebuilt && outcome.report.components < before)
-    context.warn(fmt::format(
-        "rebuilt, {} components have become {}: what lies within another one or crosses it is joined with "
-        "it, and cavities are filled",
-        before, outcome.report.components));
+  if (result.triangles.empty()) rebuild(given, outcome, result, context);
   constexpr std::uint64_t kScrap = 20;  // Triangles that cutting may leave at an end.
   if (!outcome.was_rebuilt && outcome.report.hanging_triangles > kScrap)
     context.warn(

@@ -21,23 +21,24 @@ constexpr double kMaxPlaces = 3e7;      // Of a grid.
 class GivenSurface {
  public:
   explicit GivenSurface(const TriangleMesh& mesh)
-      : mesh_(mesh), tree_(mesh.points, mesh.triangles), winding_(mesh.points, mesh.triangles) {}
+      : mesh_(mesh), tree_(mesh.points, mesh.triangles), winding_(mesh.points, mesh.triangles) {
+    std::vector<Cell<3>> triangles = mesh.triangles;
+    parts_ = surfaces::turn_alike(triangles, surfaces::edge_neighbours(triangles)).count;
+  }
 
   /// Whether there is inside on one side of a place on the surface and outside on the other.
   [[nodiscard]] bool is_boundary(const Vec3& point, std::size_t triangle, double step_mm) const {
     const Vec3 step = step_mm * triangle_normal(mesh_.points, mesh_.triangles[triangle]);
     return winding_.at(point + step) < kInsideWinding || winding_.at(point - step) < kInsideWinding;
   }
-  [[nodiscard]] std::uint32_t parts() const {
-    std::vector<Cell<3>> triangles = mesh_.triangles;
-    return surfaces::turn_alike(triangles, surfaces::edge_neighbours(triangles)).count;
-  }
+  [[nodiscard]] std::uint32_t parts() const { return parts_; }
   [[nodiscard]] const TriangleTree& tree() const { return tree_; }
 
  private:
   const TriangleMesh& mesh_;
   TriangleTree tree_;
   WindingNumbers winding_;
+  std::uint32_t parts_;
 };
 
 /// @param max_distance_mm  What it may move at most.
