@@ -299,6 +299,7 @@ std::string repair_json(const RepairOutcome& outcome, const CommandNotes& notes)
                      {"given_components", outcome.given_components},
                      {"components", r.components},
                      {"openings", r.openings},
+                     {"shared_triangles", r.shared_triangles},
                      {"duplicate_triangles", r.duplicate_triangles},
                      {"loose_triangles", r.loose_triangles},
                      {"stray_pieces", r.stray_pieces},
@@ -318,6 +319,9 @@ std::string repair_json(const RepairOutcome& outcome, const CommandNotes& notes)
                      {"put_back_at_mm", place(r.put_back.place_mm)},
                      {"rounds", r.rounds},
                      {"removed_triangles", r.removed_triangles},
+                     {"cut_triangles", r.cut_triangles},
+                     {"inner_triangles", r.inner_triangles},
+                     {"inner_openings", r.inner_openings},
                      {"new_triangles", r.new_triangles},
                      {"grid_spacing_mm", outcome.spacing_mm}};
   return with_notes(json, notes);

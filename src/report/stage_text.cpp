@@ -72,6 +72,7 @@ std::string text_of_repairs(const RepairOutcome& outcome) {
                                       outcome.spacing_mm));
     return text;
   }
+  line(r.shared_triangles, "triangles of faces between two pieces left out, both copies of each");
   line(r.duplicate_triangles, "triangles that were there twice left out");
   line(r.loose_triangles, "triangles that hung at corners or one edge left out");
   line(r.dropped_parts,
@@ -86,6 +87,9 @@ std::string text_of_repairs(const RepairOutcome& outcome) {
        fmt::format("of them farther than asked, to where the wall around was: up to {:.3g} mm, at {}",
                    r.put_back.distance_mm, place_text(r.put_back.place_mm)));
   line(r.removed_triangles, fmt::format("triangles at crossings replaced, in {} rounds", r.rounds));
+  line(r.cut_triangles, "triangles cut along the lines where they crossed");
+  line(r.inner_triangles, "triangles, or pieces of them, inside left out");
+  line(r.inner_openings, "openings inside left out with them");
   line(r.new_triangles, "new triangles in all");
   line(r.openings, "openings left open");
   return text;

@@ -10,6 +10,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/parse_number.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"
@@ -38,17 +39,23 @@ std::uint64_t count_components(const TriangleMesh& surface) {
   return surfaces::turn_alike(copy).count;
 }
 
-/// The surface turned outwards: what is inside of it is what the whole is about, whichever way its triangles
-/// are turned.
-TriangleMesh turned_outwards(TriangleMesh mesh) {
+/// The surface without specks and copies, turned outwards, whichever way its triangles are turned: what is
+/// inside of it is what the whole is about. Where it is closed, parts within others enclose cavities.
+TriangleMesh turned_outwards(TriangleMesh mesh, RepairOutcome& outcome) {
+  const std::vector<std::uint32_t> shared = surfaces::shared_triangles(mesh.triangles);
+  outcome.report.shared_triangles = shared.size();
+  surfaces::without_triangles(mesh, shared);
   surfaces::without_triangles(mesh, surfaces::duplicate_triangles(mesh.triangles));
-  surfaces::turn_alike(mesh);
+  outcome.report.dropped_parts = surfaces::drop_specks_and_copies(mesh, outcome.max_distance_mm);
   std::vector<surfaces::Rim> rims = surfaces::find_rims(mesh);
-  surfaces::turn_outwards(mesh, rims);
+  if (rims.empty())
+    surfaces::turn_by_nesting(mesh, find_self_crossings(mesh.points, mesh.triangles));
+  else
+    surfaces::turn_outwards(mesh, rims);
   return mesh;
 }
 
-/// Where it has openings: it would close them.
+/// A place of an opening, which rebuilding would close; none if there is none.
 const Vec3* place_of_opening(const std::vector<surfaces::Rim>& rims, const TriangleMesh& mesh) {
   const std::vector<std::uint8_t> is_opening = surfaces::rims_are_openings(mesh, rims);
   const auto first = std::ranges::find(is_opening, 1);
@@ -111,8 +118,8 @@ void drop_stray_pieces(TriangleMesh& surface, surfaces::RepairReport& report) {
   surfaces::without_triangles(surface, triangles);
 }
 
-void rebuild(const TriangleMesh& given, RepairOutcome& outcome, TriangleMesh& result, Context& context) {
-  const TriangleMesh mesh = turned_outwards(given);
+void rebuild(const TriangleMesh& given, RepairOutcome& outcome, TriangleMesh& result) {
+  const TriangleMesh mesh = turned_outwards(given, outcome);
   const std::vector<surfaces::Rim> rims = surfaces::find_rims(mesh);
   const std::string before = outcome.local_failure.empty() ? "" : outcome.local_failure + "; ";
   if (const Vec3* const opening = place_of_opening(rims, mesh))
@@ -125,12 +132,20 @@ void rebuild(const TriangleMesh& given, RepairOutcome& outcome, TriangleMesh& re
   outcome.report.new_triangles = made.surface.triangles.size();
   outcome.report.components = count_components(made.surface);
   result = std::move(made.surface);
-  const std::uint64_t components = count_components(given);
-  if (outcome.report.components < components)
-    context.warn(fmt::format(
-        "rebuilt, {} components have become {}: what lies within another one or crosses it is joined with "
-        "it, and cavities are filled",
-        components, outcome.report.components));
+}
+
+/// Warns where components were joined. @param given  Components that there were.
+void warn_of_joined_components(const RepairOutcome& outcome, std::uint64_t given, const Context& context) {
+  const surfaces::RepairReport& report = outcome.report;
+  if (report.shared_triangles > 0)
+    context.warn("pieces that share faces are joined: these faces are left out");
+  else if ((outcome.was_rebuilt || report.cut_triangles > 0) &&
+           report.components + report.dropped_parts < given)
+    context.warn(fmt::format("{} components have become {}: those that cross or touch are joined",
+                             given - report.dropped_parts, report.components));
+  if (report.inner_openings > 0)
+    context.warn(
+        fmt::format("{} openings lay inside of other components and are gone", report.inner_openings));
 }
 
 }  // namespace
@@ -172,9 +187,11 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
   surfaces::require_triangles(given.triangles);
   outcome.given_components = count_components(given);
   drop_stray_pieces(given, outcome.report);
+  const std::uint64_t components = count_components(given);
   TriangleMesh result;
   if (request.method != RepairMethod::kRebuild) result = repaired_locally(given, request, outcome);
-  if (result.triangles.empty()) rebuild(given, outcome, result, context);
+  if (result.triangles.empty()) rebuild(given, outcome, result);
+  warn_of_joined_components(outcome, components, context);
   constexpr std::uint64_t kScrap = 20;  // Triangles that cutting may leave at an end.
   if (!outcome.was_rebuilt && outcome.report.hanging_triangles > kScrap)
     context.warn(

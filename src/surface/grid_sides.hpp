@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "cones.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
 #include "lumesh/surface/contour.hpp"
@@ -31,16 +32,6 @@ class GridSides {
   [[nodiscard]] Crossing crossing(const Index3& place, int axis) const;
 
  private:
-  /// Surface in steps of the grid, closed by cones over its open edges.
-  struct ClosedByCones {
-    ClosedByCones(const TriangleMesh& given, const PointGrid& grid);
-    [[nodiscard]] std::span<const Cell<3>> cones() const { return std::span(triangles).subspan(given_count); }
-
-    std::vector<Vec3> points;
-    std::vector<Cell<3>> triangles;  // Those given first.
-    std::size_t given_count;
-    std::vector<std::pair<Vec3, Vec3>> cone_boxes;  // One for each apex: the lowest and highest corners.
-  };
   /// Blocks of places far from cones, whose winding numbers hardly change there.
   void find_blocks_far_from_cones();
   [[nodiscard]] std::size_t block_of(const Index3& place) const;
@@ -52,7 +43,7 @@ class GridSides {
   static constexpr int kBlock = 8;  // Places along the edges of blocks.
 
   Index3 size_;
-  ClosedByCones closed_;
+  ClosedByCones closed_;  // In steps of the grid.
   WindingNumbers cones_;
   std::array<RowHits, 3> hits_;     // Of rows along each axis.
   Index3 blocks_ = Index3::Zero();  // None where there are no cones.

@@ -1,7 +1,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "halved_edges.hpp"
@@ -15,6 +17,7 @@
 #include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "lumesh/surface/arrangement.hpp"
 #include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/distance.hpp"
 #include "lumesh/surface/findings.hpp"
@@ -68,6 +71,31 @@ class LocalRepair {
     const std::vector<std::uint8_t> is_bad = faulty_triangles(1, all());
     is_sound_ = std::ranges::count(is_bad, 1) == 0;
     if (!is_sound_) put_back(is_bad);
+  }
+
+  /// Cuts triangles along the lines where they cross and leaves out what lies inside. False if that fails, or
+  /// cuts an opening.
+  bool cut_crossings() {
+    join_equal_points();
+    turn_outwards_by_nesting();
+    std::optional<OuterBoundary> cut = outer_boundary(surface_);
+    if (!cut) return false;
+    surface_ = std::move(cut->surface);
+    std::vector<std::uint32_t> origin;
+    for (const std::uint32_t given : cut->given) origin.push_back(origin_[given]);
+    origin_ = std::move(origin);
+    report_.cut_triangles = cut->cut_triangles;
+    report_.inner_triangles = cut->left_out;
+    const std::vector<Rim> rims = find_rims(surface_);
+    if (!std::ranges::all_of(rims, [&](const Rim& rim) { return is_opening(rim); })) return false;
+    report_.inner_openings = topology_.openings - rims.size();
+    remove_at_bad_edges();  // By rounding.
+    divide_points();
+    if (surface_.triangles.empty()) return false;
+    fill_holes(kMended);
+    topology_ = topology();
+    is_sound_ = std::ranges::count(faulty_triangles(1, all()), 1) == 0;
+    return topology_.openings == rims.size();
   }
 
   RepairedSurface run(Folds folds, Pieces pieces) {
@@ -134,6 +162,7 @@ class LocalRepair {
   }
 
   void make_manifold() {
+    report_.shared_triangles = drop(marks_of(shared_triangles(surface_.triangles)));
     report_.duplicate_triangles = drop(marks_of(duplicate_triangles(surface_.triangles)));
     report_.loose_triangles = drop(marks_of(loose_triangles(surface_)));
     turn_alike(surface_);
@@ -195,6 +224,15 @@ class LocalRepair {
       return is_opening[r] == 0 &&
              std::ranges::any_of(rims[r].vertices, [&](std::uint32_t v) { return touches[v] != 0; });
     });
+  }
+  /// Each triangle names the first of points at one place.
+  void join_equal_points() {
+    std::map<std::array<double, 3>, std::uint32_t> first_at;
+    for (Cell<3>& corners : surface_.triangles)
+      for (std::uint32_t& v : corners) {
+        const Vec3& p = surface_.points[v];
+        v = first_at.try_emplace({p.x(), p.y(), p.z()}, v).first->second;
+      }
   }
   std::uint64_t divide_points() {
     const std::vector<Fan> fans = further_fans(surface_, edge_neighbours(surface_.triangles));
@@ -449,11 +487,7 @@ class LocalRepair {
   void turn_outwards_by_nesting() {
     std::vector<Rim> rims = find_rims(surface_);
     if (!rims.empty()) return turn_outwards(surface_, rims);
-    const Parts parts = turn_alike(surface_);
-    const std::vector<Shell> shells = shells_of(surface_.points, surface_.triangles, parts);
-    for (std::size_t t = 0; t < origin_.size(); ++t)
-      if (shells[parts.of_triangle[t]].is_turned())
-        std::swap(surface_.triangles[t][1], surface_.triangles[t][2]);
+    turn_by_nesting(surface_, find_self_crossings(surface_.points, surface_.triangles));
   }
 
   void measure_moves() {
@@ -497,6 +531,9 @@ RepairedSurface repair_locally(const TriangleMesh& surface, double max_distance_
       if (first.ok()) first = std::move(made);
       if (!attempt.has_met_folds()) break;  // Leaving them makes no difference.
     }
+  LocalRepair cut(prepared);
+  if (cut.cut_crossings())
+    if (RepairedSurface made = cut.run(Folds::kLeave, Pieces::kTriangles); made.ok()) return made;
   return first;
 }
 

@@ -121,6 +121,17 @@ bool is_hole_of(std::span<const Vec2> corners, std::span<const std::vector<Vec2>
   return is_apart(corners);
 }
 
+/// None if the polygon is not simple, or runs clockwise, or holes are none.
+std::optional<FlatTriangulation> constrained_delaunay(std::span<const Vec2> corners,
+                                                      std::span<const std::vector<Vec2>> holes) {
+  if (!is_simple_polygon(corners) || doubled_area(corners) <= 0) return std::nullopt;
+  for (std::size_t h = 0; h < holes.size(); ++h)
+    if (!is_hole_of(corners, holes, h)) return std::nullopt;
+  FlatTriangulation triangulation(corners, holes);
+  triangulation.make_delaunay();
+  return triangulation;
+}
+
 }  // namespace
 
 bool is_inside(std::span<const Vec2> corners, const Vec2& point) {
@@ -159,24 +170,27 @@ bool is_simple_polygon(std::span<const Vec2> corners) {
   return true;
 }
 
+std::optional<std::vector<Cell<3>>> triangulate_polygon(std::span<const Vec2> corners,
+                                                        std::span<const std::vector<Vec2>> holes) {
+  const auto triangulation = constrained_delaunay(corners, holes);
+  if (!triangulation) return std::nullopt;
+  return triangulation->triangles();
+}
+
 std::optional<PlanarPatch> fill_polygon(std::span<const Vec2> corners,
                                         std::span<const std::vector<Vec2>> holes) {
   constexpr int kPasses = 8;
-  if (!is_simple_polygon(corners) || doubled_area(corners) <= 0) return std::nullopt;
+  auto triangulation = constrained_delaunay(corners, holes);
+  if (!triangulation) return std::nullopt;
   std::vector<double> sizes;
   append_sizes(corners, sizes);
-  for (std::size_t h = 0; h < holes.size(); ++h) {
-    if (!is_hole_of(corners, holes, h)) return std::nullopt;
-    append_sizes(holes[h], sizes);
-  }
-  FlatTriangulation triangulation(corners, holes);
-  triangulation.make_delaunay();
-  Refinement(triangulation, std::move(sizes)).run();
+  for (const std::vector<Vec2>& hole : holes) append_sizes(hole, sizes);
+  Refinement(*triangulation, std::move(sizes)).run();
   for (int pass = 0; pass < kPasses; ++pass) {
-    triangulation.smooth();
-    triangulation.make_delaunay();
+    triangulation->smooth();
+    triangulation->make_delaunay();
   }
-  return PlanarPatch{triangulation.points(), triangulation.triangles()};
+  return PlanarPatch{triangulation->points(), triangulation->triangles()};
 }
 
 }  // namespace lumesh::surfaces

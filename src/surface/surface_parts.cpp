@@ -4,9 +4,12 @@
 #include <functional>
 
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/repair.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -135,6 +138,13 @@ void SurfaceParts::mark(const Part& part, MarkedTriangles& marked) const {
 
 Vec3 SurfaceParts::middle_of(std::uint32_t t) const {
   return triangle_centre(surface_.points, surface_.triangles[t]);
+}
+
+std::uint64_t drop_specks_and_copies(TriangleMesh& surface, double distance_mm) {
+  const double speck_mm = kSpeckShare * bounding_box(surface.points).diagonal().norm();
+  const MarkedTriangles marked = SurfaceParts(surface).specks_and_copies(speck_mm, distance_mm);
+  drop_triangles(surface, marked.is_marked);
+  return marked.parts;
 }
 
 }  // namespace lumesh::surfaces

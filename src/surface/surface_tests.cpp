@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/drop_marked.hpp"
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/parallel/adjacency.hpp"
+#include "lumesh/parallel/key_table.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/surface/findings.hpp"
 #include "rim_triangles.hpp"
@@ -21,6 +24,21 @@ double too_wide_mm(const TriangleMesh& surface) {
   for (const Cell<3>& t : surface.triangles)
     for (const std::uint32_t v : t) box.extend(surface.points[v]);
   return kShare * box.diagonal().norm();
+}
+
+using Corners = std::pair<Cell<3>, std::uint32_t>;  // Ascending, and whose they are.
+
+/// Calls visit(copies) for triangles with the same corners, each by its corners and number.
+template <class Visit>
+void for_each_run_of_copies(std::span<const Cell<3>> triangles, const Visit& visit) {
+  std::vector<Corners> sorted;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    sorted.emplace_back(triangles[t], t);
+    std::ranges::sort(sorted.back().first);
+  }
+  parallel::sort(sorted.begin(), sorted.end());
+  parallel::for_each_run(
+      sorted, [](const Corners& a, const Corners& b) { return a.first == b.first; }, visit);
 }
 
 }  // namespace
@@ -91,17 +109,43 @@ bool is_close_along(const EdgeNeighbours& neighbours, std::uint32_t from, std::u
 }
 
 std::vector<std::uint32_t> duplicate_triangles(std::span<const Cell<3>> triangles) {
-  std::vector<std::pair<Cell<3>, std::uint32_t>> sorted;
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    sorted.emplace_back(triangles[t], t);
-    std::ranges::sort(sorted.back().first);
-  }
-  parallel::sort(sorted.begin(), sorted.end());
   std::vector<std::uint32_t> doubles;
-  for (std::size_t i = 1; i < sorted.size(); ++i)
-    if (sorted[i].first == sorted[i - 1].first) doubles.push_back(sorted[i].second);
+  for_each_run_of_copies(triangles, [&](std::span<const Corners> copies) {
+    for (const Corners& copy : copies.subspan(1)) doubles.push_back(copy.second);
+  });
   std::ranges::sort(doubles);
   return doubles;
+}
+
+std::vector<std::uint32_t> shared_triangles(std::span<const Cell<3>> triangles) {
+  DisjointSets faces(triangles.size());
+  std::vector<std::uint8_t> is_twin(triangles.size(), 0), is_at_rim(triangles.size(), 0);
+  for_each_run_of_copies(triangles, [&](std::span<const Corners> copies) {
+    if (copies.size() != 2) return;
+    faces.merge(copies[0].second, copies[1].second);
+    for (const Corners& copy : copies) is_twin[copy.second] = 1;
+  });
+  if (std::ranges::count(is_twin, 1) == 0) return {};
+  std::vector<std::uint32_t> not_between;  // Twins at edges where no face between two pieces ends.
+  for_each_edge(sorted_sides(triangles), [&](std::span<const TriangleSide> sides) {
+    std::vector<std::uint32_t> twins;
+    for (const TriangleSide& side : sides)
+      if (is_twin[side.triangle] != 0) twins.push_back(side.triangle);
+    if (twins.size() == 4 && sides.size() == 4)
+      for (const std::uint32_t twin : twins) faces.merge(twin, twins[0]);
+    else if (twins.size() == 2 && sides.size() == 4)
+      for (const std::uint32_t twin : twins) is_at_rim[twin] = 1;
+    else
+      not_between.insert(not_between.end(), twins.begin(), twins.end());
+  });
+  std::vector<std::uint8_t> is_shared(triangles.size(), 0);  // Of each face, at its number.
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    if (is_at_rim[t] != 0) is_shared[faces.find(t)] = 1;
+  for (const std::uint32_t t : not_between) is_shared[faces.find(t)] = 0;
+  std::vector<std::uint32_t> shared;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    if (is_twin[t] != 0 && is_shared[faces.find(t)] != 0) shared.push_back(t);
+  return shared;
 }
 
 void drop_triangles(TriangleMesh& surface, std::span<const std::uint8_t> goes) {

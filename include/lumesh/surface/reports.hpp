@@ -69,6 +69,7 @@ struct FarthestPoint {
 /// Counts of a repair.
 struct RepairReport {
   std::uint64_t duplicate_triangles = 0;  ///< Left out.
+  std::uint64_t shared_triangles = 0;     ///< Both copies of faces between two pieces, left out.
   std::uint64_t loose_triangles = 0;      ///< Left out, as they, or their part, hang at corners only.
   std::uint64_t hanging_triangles = 0;    ///< Triangles of the largest such part.
   Vec3 hanging_mm = Vec3::Zero();         ///< A place of that.
@@ -88,6 +89,9 @@ struct RepairReport {
   FarthestPoint put_back;  ///< The farthest distance of the triangles at those, and where the vertex was.
   int rounds = 0;          ///< In which triangles that cross were replaced.
   std::uint64_t removed_triangles = 0;  ///< In those rounds.
+  std::uint64_t cut_triangles = 0;      ///< Cut along the lines where they cross others.
+  std::uint64_t inner_triangles = 0;    ///< Of those and pieces of them, left out as they lie inside.
+  std::uint64_t inner_openings = 0;     ///< Openings that lay inside and went with those.
   std::uint64_t new_triangles = 0;      ///< Triangles that were not given.
   std::uint64_t openings = 0;           ///< That were left open.
   std::uint64_t components = 0;

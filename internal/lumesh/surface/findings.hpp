@@ -45,6 +45,10 @@ inline constexpr double kFoldCosine = -0.99984769515639127;
 /// The triangles that have the three corners of an earlier one, ascending.
 [[nodiscard]] std::vector<std::uint32_t> duplicate_triangles(std::span<const Cell<3>> triangles);
 
+/// Both copies, ascending, of triangles that are there twice between two pieces that share a face: at each
+/// edge of its rim two other triangles meet.
+[[nodiscard]] std::vector<std::uint32_t> shared_triangles(std::span<const Cell<3>> triangles);
+
 /// Removes triangles whose flag is not 0. Points stay.
 void drop_triangles(TriangleMesh& surface, std::span<const std::uint8_t> goes);
 /// The same by their numbers.

@@ -16,6 +16,12 @@ namespace lumesh::surfaces {
 /// Whether a point lies within a simple polygon, exactly but for points on its edges.
 [[nodiscard]] bool is_inside(std::span<const Vec2> corners, const Vec2& point);
 
+/// The constrained Delaunay triangulation of a polygon without the holes in it, as fill_polygon() takes them.
+/// @return Anticlockwise triangles of the corners, then those of the holes; none as there. Cost: the square
+/// of the corners.
+[[nodiscard]] std::optional<std::vector<Cell<3>>> triangulate_polygon(
+    std::span<const Vec2> corners, std::span<const std::vector<Vec2>> holes = {});
+
 struct PlanarPatch {
   std::vector<Vec2> points;        ///< The corners as given, those of the holes, then those inside.
   std::vector<Cell<3>> triangles;  ///< Anticlockwise.

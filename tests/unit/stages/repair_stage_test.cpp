@@ -13,6 +13,7 @@
 
 #include "fixtures/surfaces.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
@@ -97,24 +98,58 @@ TEST(RepairStage, AStrayTriangleBesideABallIsLeftOutAndTold) {
   }
 }
 
-/// A sphere within another one, turned inwards, is a cavity, which rebuilding fills.
-TEST(RepairStage, ACavityThatRebuildingFillsIsTold) {
+/// A sphere within another one is a cavity, whichever way it is turned.
+TEST(RepairStage, CavitiesStayWhateverTheMethod) {
+  for (const bool is_turned : {false, true}) {
+    MixedMesh surface = ball();
+    const auto count = static_cast<std::uint32_t>(surface.points.size());
+    const std::vector<Cell<3>> outer = surface.triangles;
+    for (std::uint32_t v = 0; v < count; ++v) surface.points.push_back(0.4 * surface.points[v]);
+    for (const auto& [a, b, c] : outer)
+      surface.triangles.push_back({a + count, (is_turned ? b : c) + count, (is_turned ? c : b) + count});
+    surface.triangle_patches.assign(surface.triangles.size(), 0);
+    for (const RepairMethod method : {RepairMethod::kLocal, RepairMethod::kRebuild}) {
+      RepairRequest request;
+      request.method = method;
+      request.max_distance.number = 4;  // Percent.
+      Context context({}, [&](std::string_view text) { ADD_FAILURE() << text; });
+      const RepairOutcome outcome = repair_surface(surface, request, context);
+      EXPECT_EQ(outcome.report.components, 2U);
+      EXPECT_EQ(outcome.was_rebuilt, method == RepairMethod::kRebuild);
+      double volume = 0;
+      for (const auto& [a, b, c] : outcome.surface.triangles)
+        volume += tetrahedron_volume(Vec3::Zero(), outcome.surface.points[a], outcome.surface.points[b],
+                                     outcome.surface.points[c]);
+      EXPECT_NEAR(volume, 4 * std::numbers::pi / 3 * 125 * (1 - 0.064), 12);
+    }
+  }
+}
+
+/// Two balls that cross, and a speck.
+TEST(RepairStage, WhatRebuildingJoinsIsToldAndSpecksAreLeftOut) {
   MixedMesh surface = ball();
   const auto count = static_cast<std::uint32_t>(surface.points.size());
-  const std::vector<Cell<3>> outer = surface.triangles;
-  for (std::uint32_t v = 0; v < count; ++v) surface.points.push_back(0.4 * surface.points[v]);
-  for (const auto& [a, b, c] : outer) surface.triangles.push_back({a + count, c + count, b + count});
+  const std::vector<Cell<3>> one = surface.triangles;
+  const auto add = [&](double scale, const Vec3& by) {
+    const auto first = static_cast<std::uint32_t>(surface.points.size());
+    for (std::uint32_t v = 0; v < count; ++v) surface.points.push_back(scale * surface.points[v] + by);
+    for (const auto& [a, b, c] : one) surface.triangles.push_back({a + first, b + first, c + first});
+  };
+  add(1, Vec3(6, 0.1, 0.2));
+  add(0.003, Vec3(0, 12, 0));
   surface.triangle_patches.assign(surface.triangles.size(), 0);
-  std::vector<std::string> warnings;
-  Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
-  RepairRequest request;
-  EXPECT_EQ(repair_surface(surface, request, context).report.components, 2U);
-  EXPECT_TRUE(warnings.empty());
-  request.method = RepairMethod::kRebuild;
-  request.max_distance.number = 4;  // Percent.
-  EXPECT_EQ(repair_surface(surface, request, context).report.components, 1U);
-  ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_NE(warnings[0].find("2 components have become 1"), std::string::npos) << warnings[0];
+  for (const RepairMethod method : {RepairMethod::kAuto, RepairMethod::kRebuild}) {
+    RepairRequest request;
+    request.method = method;
+    std::vector<std::string> warnings;
+    Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+    const RepairOutcome outcome = repair_surface(surface, request, context);
+    EXPECT_EQ(outcome.was_rebuilt, method == RepairMethod::kRebuild);
+    EXPECT_EQ(outcome.report.components, 1U);
+    EXPECT_EQ(outcome.report.dropped_parts, 1U);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_NE(warnings[0].find("2 components have become 1"), std::string::npos) << warnings[0];
+  }
 }
 
 /// Reading memory beyond its end came of them.
