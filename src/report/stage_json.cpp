@@ -299,6 +299,7 @@ std::string repair_json(const RepairOutcome& outcome, const CommandNotes& notes)
                      {"given_components", outcome.given_components},
                      {"components", r.components},
                      {"openings", r.openings},
+                     {"seam_vertices", r.seam_vertices},
                      {"shared_triangles", r.shared_triangles},
                      {"duplicate_triangles", r.duplicate_triangles},
                      {"loose_triangles", r.loose_triangles},

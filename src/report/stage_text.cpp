@@ -72,6 +72,7 @@ std::string text_of_repairs(const RepairOutcome& outcome) {
                                       outcome.spacing_mm));
     return text;
   }
+  line(r.seam_vertices, "vertices at seams joined with the other side");
   line(r.shared_triangles, "triangles of faces between two pieces left out, both copies of each");
   line(r.duplicate_triangles, "triangles that were there twice left out");
   line(r.loose_triangles, "triangles that hung at corners or one edge left out");

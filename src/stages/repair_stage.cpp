@@ -103,6 +103,21 @@ void require_no_faults(const TriangleMesh& result, const std::string& consequenc
     if (shell.volume_mm3 == 0) throw_unrepairable("it encloses nothing", shell.place_mm);
 }
 
+/// @throws Error{kNotReached} where hardly any triangle has a neighbour: a heap of triangles is no surface.
+void require_neighbours(const TriangleMesh& given) {
+  constexpr double kMostOpen = 0.5;  // Of the sides of all triangles.
+  std::size_t open = 0;
+  for (const auto& neighbours : surfaces::edge_neighbours(given.triangles))
+    open += static_cast<std::size_t>(std::ranges::count(neighbours, surfaces::kOpenEdge));
+  constexpr std::size_t kFew = 8;
+  if (given.triangles.size() > kFew &&
+      static_cast<double>(open) > kMostOpen * 3 * static_cast<double>(given.triangles.size()))
+    throw Error(
+        ErrorKind::kNotReached,
+        "cannot be repaired: most triangles have no neighbours, as their corners lie apart from those of "
+        "others; join these in the program that wrote them");
+}
+
 /// Leaves stray pieces out, which would be filled and enclose nothing.
 void drop_stray_pieces(TriangleMesh& surface, surfaces::RepairReport& report) {
   double largest_mm2 = 0;
@@ -185,6 +200,7 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
   outcome.max_distance_mm = request.max_distance_mm(diagonal_mm(surface));
   TriangleMesh given = surfaces::weld(surface.points, surface.triangles, surface.triangle_patches);
   surfaces::require_triangles(given.triangles);
+  require_neighbours(given);
   outcome.given_components = count_components(given);
   drop_stray_pieces(given, outcome.report);
   const std::uint64_t components = count_components(given);

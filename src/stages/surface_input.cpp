@@ -101,6 +101,24 @@ void warn_of_caps_within(const MixedMesh& surface, std::span<const ClosedRim> ri
   }
 }
 
+/// @throws Error{kBadInput} where two openings lie on each other, back to back: no vessel has them.
+void require_no_seams(std::span<const ClosedRim> rims) {
+  constexpr double kApart = 0.1, kOpposed = -0.9, kMaxRatio = 1.2;  // Of radii; cosine.
+  for (std::size_t i = 0; i < rims.size(); ++i)
+    for (std::size_t k = i + 1; k < rims.size(); ++k) {
+      const surfaces::Rim &one = rims[i].given, &other = rims[k].given;
+      const double smaller = std::min(one.radius_mm, other.radius_mm);
+      if (rims[i].is_opening && rims[k].is_opening && one.normal.dot(other.normal) < kOpposed &&
+          (one.centre_mm - other.centre_mm).norm() < kApart * smaller &&
+          std::max(one.radius_mm, other.radius_mm) < kMaxRatio * smaller)
+        throw Error(
+            ErrorKind::kBadInput,
+            fmt::format("two pieces of the wall end at one place, {}, where their vertices do not match; "
+                        "lumesh repair joins them",
+                        place_text(one.centre_mm)));
+    }
+}
+
 /// Number of the divided end that a rim was around; ends.size() if none.
 std::size_t end_at(const ClosedRim& rim, std::span<const AreaSum> ends) {
   std::size_t best = ends.size();
@@ -237,6 +255,7 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
     cap_divided_ends(surface, options, made.rims);
     return std::move(made.rims);
   }
+  require_no_seams(made.rims);
   take_closed(made, surface);
   warn_of_caps_within(surface, made.rims, context);
   for (const ClosedRim& rim : made.rims) {

@@ -25,6 +25,7 @@
 #include "lumesh/surface/repair.hpp"
 #include "lumesh/surface/shells.hpp"
 #include "rim_triangles.hpp"
+#include "seams.hpp"
 #include "stray_vertices.hpp"
 #include "surface_parts.hpp"
 
@@ -62,6 +63,7 @@ class LocalRepair {
 
   /// A manifold without holes, and no vertex pulled past its neighbours.
   void prepare() {
+    close_seams();
     make_manifold();
     if (surface_.triangles.empty()) return;
     find_openings();
@@ -155,12 +157,24 @@ class LocalRepair {
   }
   /// Before a triangle goes or moves.
   void note_replaced(std::size_t t) {
-    if (origin_[t] >= kUncounted) return;
+    if (origin_[t] < kUncounted) note_replaced(surface_.triangles[t]);
+  }
+  void note_replaced(const Cell<3>& corners) {
     const auto first = static_cast<std::uint32_t>(replaced_.points.size());
-    for (const std::uint32_t v : surface_.triangles[t]) replaced_.points.push_back(surface_.points[v]);
+    for (const std::uint32_t v : corners) replaced_.points.push_back(surface_.points[v]);
     replaced_.triangles.push_back({first, first + 1, first + 2});
   }
 
+  void close_seams() {
+    const JoinedSeams seams = join_seams(surface_, max_distance_mm_);
+    report_.seam_vertices = seams.vertices;
+    if (seams.vertices == 0) return;
+    origin_.resize(seams.given.size());
+    for (std::uint32_t t = 0; t < origin_.size(); ++t) {
+      origin_[t] = seams.is_changed[t] != 0 ? kMended : seams.given[t];
+      if (origin_[t] == kMended && seams.given[t] == t) note_replaced(given_.triangles[t]);
+    }
+  }
   void make_manifold() {
     report_.shared_triangles = drop(marks_of(shared_triangles(surface_.triangles)));
     report_.duplicate_triangles = drop(marks_of(duplicate_triangles(surface_.triangles)));

@@ -110,6 +110,13 @@ double width(std::span<const Vec2> places) {
   return box.sizes().sum();
 }
 
+/// Whether a face is triangulated in a second or so: bridges to holes take the square of its points each.
+bool is_small_enough(std::size_t points, std::size_t holes) {
+  constexpr double kMaxWork = 3e7;
+  return static_cast<double>(points) * static_cast<double>(points) * static_cast<double>(holes + 1) <
+         kMaxWork;
+}
+
 /// Gives holes to the smallest faces in which they lie. False if one lies in none.
 bool assign_holes(std::vector<Polygon>& polygons, const std::vector<std::uint32_t>& parts,
                   std::uint32_t part_of_rim) {
@@ -156,6 +163,7 @@ std::optional<std::vector<Cell<3>>> triangulate_faces(std::span<const Vec2> plac
       holes.push_back(polygons[hole].places);
       points.insert(points.end(), polygons[hole].points.begin(), polygons[hole].points.end());
     }
+    if (!is_small_enough(points.size(), holes.size())) return std::nullopt;
     const auto made = triangulate_polygon(face.places, holes);
     if (!made) return std::nullopt;
     for (const auto& [a, b, c] : *made) triangles.push_back({points[a], points[b], points[c]});

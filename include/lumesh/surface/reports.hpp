@@ -70,6 +70,7 @@ struct FarthestPoint {
 struct RepairReport {
   std::uint64_t duplicate_triangles = 0;  ///< Left out.
   std::uint64_t shared_triangles = 0;     ///< Both copies of faces between two pieces, left out.
+  std::uint64_t seam_vertices = 0;        ///< Joined with what lies across a seam.
   std::uint64_t loose_triangles = 0;      ///< Left out, as they, or their part, hang at corners only.
   std::uint64_t hanging_triangles = 0;    ///< Triangles of the largest such part.
   Vec3 hanging_mm = Vec3::Zero();         ///< A place of that.

@@ -152,6 +152,21 @@ TEST(RepairStage, WhatRebuildingJoinsIsToldAndSpecksAreLeftOut) {
   }
 }
 
+/// Minutes went by with a heap of triangles before.
+TEST(RepairStage, AHeapOfTrianglesIsRefused) {
+  const MixedMesh whole = ball();
+  MixedMesh heap = whole;
+  heap.points.clear();
+  for (Cell<3>& t : heap.triangles)
+    for (std::uint32_t& v : t) {
+      const auto number = static_cast<std::uint32_t>(heap.points.size());
+      heap.points.push_back(whole.points[v] * (1 + 1e-3 * ((number * 7919) % 13)));
+      v = number;
+    }
+  Context context;
+  EXPECT_THROW(std::ignore = repair_surface(heap, {}, context), Error);
+}
+
 /// Reading memory beyond its end came of them.
 TEST(RepairStage, TrianglesOfOnePlaceAreNoSurface) {
   MixedMesh surface = ball();

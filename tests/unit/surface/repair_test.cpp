@@ -298,6 +298,48 @@ TEST(LocalRepair, BallsThatCrossBecomeOneOfWhichAllLiesOnThem) {
     EXPECT_NEAR(std::min(p.norm(), (p - Vec3(12, 0.1, 0)).norm()), 10, 0.1);
 }
 
+/// A tube in two pieces of other tessellations, whose vertices at the seam lie on edges of the other piece.
+TriangleMesh tube_with_seam(std::uint32_t around, std::uint32_t around_above) {
+  TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 10, .around = around});
+  const TriangleMesh above = open_tube({.radius_mm = 3, .length_mm = 12, .around = around_above});
+  const auto offset = static_cast<std::uint32_t>(tube.points.size());
+  for (const Vec3& p : above.points) tube.points.emplace_back(p.x(), p.y(), p.z() + 10);
+  for (const auto& [a, b, c] : above.triangles)
+    tube.triangles.push_back({a + offset, b + offset, c + offset});
+  tube.patches.assign(tube.triangles.size(), 0);
+  return tube;
+}
+
+TEST(LocalRepair, PiecesThatDoNotMatchAtASeamAreJoined) {
+  for (const auto& [around, around_above] : {std::pair(48U, 36U), std::pair(40U, 40U), std::pair(60U, 24U)}) {
+    TriangleMesh given = tube_with_seam(around, around_above);
+    for (Vec3& p : given.points)  // A gap, too, where all vertices match.
+      if (p.z() > 10.01) p.z() += 0.001;
+    const RepairedSurface made = repair_locally(given, 0.3);
+    ASSERT_TRUE(made.ok()) << made.failure;
+    EXPECT_EQ(made.report.components, 1U);
+    EXPECT_EQ(made.report.openings, 2U);
+    EXPECT_EQ(made.report.genus, 0);
+    EXPECT_EQ(faults_of(made.surface), "");
+    EXPECT_LT(distance_between(made.surface, given), 0.08);  // Sagittae of the coarser piece's edges: 0.025.
+  }
+}
+
+/// Their rims lie nearer to each other than a quarter of their edges, but the walls do not go on there.
+TEST(LocalRepair, EndsOfVesselsSideBySideAreNoSeam) {
+  TriangleMesh pair = open_tube({.radius_mm = 3, .length_mm = 12, .around = 40});
+  const TriangleMesh tube = pair;
+  for (const Vec3& p : tube.points) pair.points.emplace_back(p.x() + 6.05, p.y(), p.z());
+  const auto offset = static_cast<std::uint32_t>(tube.points.size());
+  for (const auto& [a, b, c] : tube.triangles) pair.triangles.push_back({a + offset, b + offset, c + offset});
+  pair.patches.assign(pair.triangles.size(), 0);
+  const RepairedSurface made = repair_locally(pair, 0.3);
+  ASSERT_TRUE(made.ok()) << made.failure;
+  EXPECT_EQ(made.report.seam_vertices, 0U);
+  EXPECT_EQ(made.report.openings, 4U);
+  EXPECT_EQ(made.surface.triangles.size(), pair.triangles.size());
+}
+
 /// Both copies of the face between two cubes go.
 TEST(LocalRepair, CubesThatShareAFaceBecomeOne) {
   TriangleMesh pair = mesh_of(fixtures::unit_cube_surface());
