@@ -8,8 +8,10 @@ import json
 import math
 import pathlib
 import re
+import shutil
 import struct
 import sys
+import tempfile
 import unittest
 from html.parser import HTMLParser
 from random import Random
@@ -85,6 +87,21 @@ class CaseTest(ProgramTest):
 
     def run_case(self, *more):
         return self.run_well("run", self.case, "-o", self.out, *more)
+
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = tempfile.TemporaryDirectory(prefix="lumesh_cli_")
+        cls.addClassCleanup(cls.shared.cleanup)
+        cls.runs = {}
+
+    def run_case_once(self, *more):
+        """As run_case, but one run for all tests of the class with these options; each test has a copy of the files."""
+        if more not in self.runs:
+            folder = pathlib.Path(self.shared.name, str(len(self.runs)))
+            self.runs[more] = folder, self.run_well("run", self.case, "-o", folder, *more)
+        folder, result = self.runs[more]
+        shutil.copytree(folder, self.out)
+        return result
 
     def numbers(self):
         return json.loads((self.out / "report.json").read_text())
@@ -216,6 +233,7 @@ complexity = 8000
 
 [output]
 meshes = ["a.vtu"]
+report = ""
 """
 
     def test_no_facet_stays_a_plane_that_its_neighbours_cross(self):
@@ -225,9 +243,18 @@ meshes = ["a.vtu"]
         self.assertGreater(mesh["metric_mean_ratio"]["min"], 0.1)  # 0.008 beside such a plane.
 
 
+NO_PAGE = ("--set", "output.report=")  # A fifth of the time, where only meshes and numbers are looked at.
+
+
 class RunTest(CaseTest):
+    def run_on_one_thread(self):
+        return self.run_case_once("--threads", "1")
+
+    def run_with_all_files(self):
+        return self.run_case_once("--checkpoints", "--set", "output.stages=true")
+
     def test_writes_what_it_says_and_nothing_between_the_stages(self):
-        result = self.run_case()
+        result = self.run_on_one_thread()
         names = {path.name for path in self.out.iterdir()}
         self.assertEqual(names, {"a.vtu", "a.msh", "a.stl", "report.html", "report.json", "effective.toml"})
         stages = [line.split()[0] for line in result.stdout.splitlines()]
@@ -259,48 +286,49 @@ class RunTest(CaseTest):
         self.assertEqual(json.loads(evaluated.read_text())["metric_edge_length"], last["metric_edge_length"])
 
     def test_the_page_fetches_nothing(self):
-        self.run_case()
+        self.run_on_one_thread()
         links = Links()
         links.feed((self.out / "report.html").read_text(encoding="utf-8"))
         self.assertEqual(links.fetched, [])
 
     def test_the_effective_case_gives_the_same_mesh_on_any_number_of_threads(self):
-        self.run_case("--threads", "1")
+        self.run_on_one_thread()
         first = self.hash_of_mesh()
         effective = self.folder / "again.toml"
         effective.write_text((self.out / "effective.toml").read_text())
-        self.run_well("run", effective, "-o", self.out, "--threads", "4")
+        (self.out / "a.vtu").unlink()
+        self.run_well("run", effective, "-o", self.out, "--threads", "4", *NO_PAGE)
         self.assertEqual(self.hash_of_mesh(), first)
 
     def test_resumes_after_what_has_not_changed_with_the_same_result(self):
-        self.run_case("--checkpoints")
+        self.run_with_all_files()
         first = self.hash_of_mesh()
         self.assertEqual({path.name for path in (self.out / "checkpoints").glob("*.vt?")},
                          {"centerline.vtp", "mesh.vtu", "metric.vtu", "adapted.vtu"})
-        self.run_case("--resume")
+        self.run_case("--resume", *NO_PAGE)
         self.assertEqual(self.hash_of_mesh(), first)
         taken = [stage["name"] for stage in self.numbers()["stages"] if "checkpoint" in stage["what"]]
         self.assertEqual(taken, ["Centerline", "First mesh", "Metric", "Adapted mesh"])
         # The last stage anew, from the metric of the checkpoint.
         (self.out / "checkpoints" / "adapted.vtu").unlink()
-        self.run_case("--resume")
+        self.run_case("--resume", *NO_PAGE)
         self.assertEqual(self.hash_of_mesh(), first)
         # Other settings of a stage: it and those after it are made anew.
-        self.run_case("--resume", "--set", "metric.k=25")
+        self.run_case("--resume", "--set", "metric.k=25", *NO_PAGE)
         taken = [stage["name"] for stage in self.numbers()["stages"] if "checkpoint" in stage["what"]]
         self.assertEqual(taken, ["Centerline", "First mesh"])
         self.assertNotEqual(self.hash_of_mesh(), first)
         # A boundary that is adapted imposes no sizes on the metric.
-        self.run_case("--resume", "--set", "metric.k=25", "--set", "adapt.boundary=adapt")
+        self.run_case("--resume", "--set", "metric.k=25", "--set", "adapt.boundary=adapt", *NO_PAGE)
         taken = [stage["name"] for stage in self.numbers()["stages"] if "checkpoint" in stage["what"]]
         self.assertEqual(taken, ["Centerline", "First mesh"])
 
     def test_a_broken_checkpoint_is_made_anew(self):
-        self.run_case("--checkpoints")
+        self.run_with_all_files()
         first = self.hash_of_mesh()
         mesh = self.out / "checkpoints" / "mesh.vtu"
         mesh.write_bytes(mesh.read_bytes()[:-1000])
-        self.run_case("--resume")
+        self.run_case("--resume", *NO_PAGE)
         self.assertEqual(self.hash_of_mesh(), first)
 
     def test_a_dry_run_predicts_and_makes_nothing(self):
@@ -315,12 +343,12 @@ class RunTest(CaseTest):
         self.assertIn("[lattice] edge_length", words.stderr)
         line = next(line for line in result.stdout.splitlines() if "adapted mesh" in line)
         predicted = float(line.split("about ")[-1].split()[0])
-        self.run_case()
+        self.run_on_one_thread()
         made = self.numbers()["stages"][-1]["evaluation"]["tetrahedra"]
         self.assertAlmostEqual(predicted / made, 1, delta=0.35)
 
     def test_the_docs_have_every_key(self):
-        self.run_case()
+        self.run_on_one_thread()
         page = (pathlib.Path(__file__).parents[2] / "docs" / "stages" / "run.md").read_text(encoding="utf-8")
         lines = (self.out / "effective.toml").read_text().splitlines()
         keys = [line.removeprefix("# ").split(" =")[0] for line in lines if " =" in line and not line.startswith("[")]
@@ -344,8 +372,8 @@ class RunTest(CaseTest):
 
     def test_a_run_that_is_stopped_leaves_the_files_of_another_one(self):
         stages = "output.stages=true"
-        self.run_case("--set", stages)
-        files = {path: path.read_bytes() for path in self.out.iterdir()}
+        self.run_with_all_files()
+        files = {path: path.read_bytes() for path in self.out.iterdir() if path.is_file()}
         self.assertTrue({"first.vtu", "centerline.vtp"} <= {path.name for path in files})
         result = self.run_lumesh("run", self.case, "-o", self.out, "--set", stages, "--set", "centerline.spacing=1.7", "--set",
                                  "metric.complexity=900000", "--time-limit", "4")
@@ -354,7 +382,7 @@ class RunTest(CaseTest):
             self.assertTrue(path.read_bytes() == content, path.name)
         self.run_well("evaluate", self.out / "partial" / "a.vtu")
         # One that ends replaces them.
-        self.run_case("--set", stages, "--set", "centerline.spacing=1.7")
+        self.run_case("--set", stages, "--set", "centerline.spacing=1.7", *NO_PAGE)
         for name in ("first.vtu", "centerline.vtp", "a.vtu"):
             self.assertFalse((self.out / name).read_bytes() == files[self.out / name], name)
         self.assertFalse((self.out / "partial" / "first.vtu").exists())
@@ -420,7 +448,7 @@ class RunTest(CaseTest):
 
     def test_stages_speak_of_keys_and_resumed_ones_say_the_same(self):
         # So few tetrahedra may leave pieces.
-        settings = ("--set", "lattice.max_tetrahedra=500", "--set", "adapt.allow_pieces=true")
+        settings = ("--set", "lattice.max_tetrahedra=500", "--set", "adapt.allow_pieces=true", *NO_PAGE)
         first = self.run_case("--checkpoints", *settings)
         self.assertIn("[lattice] max_tetrahedra", first.stderr)
         self.assertNotIn("--max-tetrahedra", first.stderr)
@@ -449,15 +477,18 @@ class LayersTest(CaseTest):
         self.run_well("evaluate", mesh, "--json", evaluated)
         return json.loads(evaluated.read_text())
 
+    def run_on_one_thread(self):
+        return self.run_case_once("--checkpoints", "--threads", "1")
+
     def volume_without_layers(self):
-        self.case.write_text(LAYERS.split("[layers]")[0] + '[output]\nmeshes = ["bare.vtu"]\nreport = ""\n')
-        self.run_case()
-        self.case.write_text(LAYERS)
-        return self.evaluate(self.out / "bare.vtu")["labels"][0]["volume_mm3"]
+        bare = self.folder / "bare.toml"
+        bare.write_text(LAYERS.split("[layers]")[0] + '[output]\nmeshes = ["bare.vtu"]\nreport = ""\n')
+        self.run_well("run", bare, "-o", self.folder / "bare")
+        return self.evaluate(self.folder / "bare/bare.vtu")["labels"][0]["volume_mm3"]
 
     def test_tetrahedra_around_the_lumen_with_coverage_in_page_and_numbers(self):
         volume = self.volume_without_layers()
-        result = self.run_case()
+        result = self.run_on_one_thread()
         self.assertEqual([line.split()[0] for line in result.stdout.splitlines()][:5],
                          ["input", "mesh", "layers", "write", "report"])
         found = self.evaluate(self.out / "a.vtu")
@@ -480,7 +511,7 @@ class LayersTest(CaseTest):
 
     def test_mixed_cells_of_the_lattice_go_to_the_layers_and_all_the_files(self):
         files = ["a.vtu", "a.vtk", "a.mesh", "a.meshb", "a.msh", "a.foam"]
-        settings = ("--set", "mesher=lattice", "--set", "lattice.mixed=true", "--set", "lattice.spacing=0.35", "--set", f"output.meshes={files}", "--checkpoints")
+        settings = ("--set", "mesher=lattice", "--set", "lattice.mixed=true", "--set", "lattice.spacing=0.35", "--set", f"output.meshes={files}", "--checkpoints", *NO_PAGE)
         result = self.run_case(*settings)
         self.assertIn("hexahedra", result.stdout)
         first, last = self.numbers()["stages"][-2:]
@@ -504,7 +535,7 @@ class LayersTest(CaseTest):
     def test_prisms_within_the_lumen_leave_its_volume(self):
         volume = self.volume_without_layers()
         inward = ("--set", "layers.side=inward", "--set", "layers.cells=prisms", "--set", "output.meshes=['a.vtu', 'a.foam']")
-        self.run_case(*inward, "--set", "layers.count=2")
+        self.run_case(*inward, "--set", "layers.count=2", *NO_PAGE)
         found = self.evaluate(self.out / "a.vtu")
         self.assertTrue(found["valid"])
         self.assertGreater(found["prisms"], 1000)
@@ -517,7 +548,7 @@ class LayersTest(CaseTest):
         self.assertTrue((self.out / "constant" / "polyMesh").is_dir())
 
     def test_resumed_layers_have_the_same_bits_and_the_same_report(self):
-        self.run_case("--checkpoints", "--threads", "1")
+        self.run_on_one_thread()
         first, stage = self.hash_of_mesh(), self.numbers()["stages"][-1]
         page = (self.out / "report.html").read_text(encoding="utf-8")
         self.run_case("--resume", "--threads", "3")
@@ -530,13 +561,13 @@ class LayersTest(CaseTest):
         for picture in pictures:
             self.assertIn(picture, (self.out / "report.html").read_text(encoding="utf-8"))
         # Other layers: on the same mesh, which is taken.
-        self.run_case("--resume", "--set", "layers.count=4")
+        self.run_case("--resume", "--set", "layers.count=4", *NO_PAGE)
         taken = [stage["name"] for stage in self.numbers()["stages"] if "checkpoint" in stage["what"]]
         self.assertEqual(taken, ["First mesh"])
         self.assertNotEqual(self.hash_of_mesh(), first)
 
     def test_layers_stand_on_the_adapted_mesh(self):
-        result = self.run_case("--set", "metric.points=centerline", "--set", "metric.complexity=1500")
+        result = self.run_case("--set", "metric.points=centerline", "--set", "metric.complexity=1500", *NO_PAGE)
         self.assertEqual([line.split()[0] for line in result.stdout.splitlines()][3:6], ["metric", "adapted", "layers"])
         stages = self.numbers()["stages"]
         adapted, layered = stages[-2], stages[-1]
@@ -545,7 +576,7 @@ class LayersTest(CaseTest):
 
     def test_a_dry_run_foresees_the_cells_of_layers(self):
         line = next(line for line in self.run_case("--dry-run").stdout.splitlines() if "boundary layers" in line)
-        self.run_case()
+        self.run_on_one_thread()
         foreseen = float(line.split("of about ")[1].split()[0])
         self.assertAlmostEqual(foreseen / self.numbers()["stages"][-1]["layers"]["cells"], 1, delta=0.4)
 
