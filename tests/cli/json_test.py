@@ -17,8 +17,8 @@ class JsonTest(ProgramTest):
         super().setUp()
         self.image, self.mesh, self.axes = (self.folder / name for name in ("b.nrrd", "b.vtu", "b.vtp"))
         self.numbers = self.folder / "numbers.json"
-        self.run_well("phantom", "bifurcation", "--size", 88, 64, 80, "--spacing", 0.3, "-o", self.image, "--centerline", self.axes)
-        self.run_well("lattice", self.image, "-o", self.mesh)
+        self.give(("phantom", "bifurcation", "--size", 88, 64, 80, "--spacing", 0.3, "-o", "b.nrrd", "--centerline", "b.vtp"),
+                  ("lattice", "b.nrrd", "-o", "b.vtu"))
 
     def told(self, *command):
         """The JSON of a command, which says the same on the terminal as without; and what it says there."""

@@ -185,7 +185,7 @@ class LayersTest(MeshTest):
 
     def test_between_labels_one_of_them_gives_way(self):
         image, mesh = self.folder / "two.nrrd", self.folder / "two.vtu"
-        self.run_well("phantom", "layered", "-o", image)
+        self.run_well("phantom", "layered", "-o", image, "--size", 64, "--spacing", 1.5)
         self.run_well("lattice", image, "-o", mesh)
         before = self.evaluate(mesh)
         between = next(p["name"] for p in before["boundary"]["patches"] if p["name"].startswith("interface"))

@@ -1,4 +1,5 @@
 """What the tests of the program share: a folder of their own, running it, and how it must refuse."""
+import hashlib
 import json
 import os
 import pathlib
@@ -11,6 +12,7 @@ import tempfile
 import threading
 import unittest
 
+GIVEN = tempfile.TemporaryDirectory(prefix="lumesh_cli_")  # What several tests begin with.
 USAGE, BAD_INPUT, NOT_REACHED, TIME_LIMIT, MEMORY = 1, 2, 3, 4, 5
 LUMESH = str(pathlib.Path(sys.argv.pop(1)).resolve())
 
@@ -55,6 +57,16 @@ class ProgramTest(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         return result
 
+    def give(self, *commands):
+        """What commands make, once for all tests that ask for them: copied into the folder of the test."""
+        folder = pathlib.Path(GIVEN.name, hashlib.sha256(repr(commands).encode()).hexdigest())
+        if not folder.exists():
+            folder.mkdir()
+            for command in commands:
+                result = self.run_lumesh(*command, cwd=folder)
+                self.assertEqual(result.returncode, 0, result.stderr)
+        shutil.copytree(folder, self.folder, dirs_exist_ok=True)
+
     def on_a_terminal(self, *arguments):
         """What a terminal gets on stderr."""
         reader, writer = pty.openpty()
@@ -95,10 +107,8 @@ class MeshTest(ProgramTest):
 
     def vessel(self):
         """A bifurcation with a sac, of tetrahedra."""
-        image, mesh = self.folder / "b.nrrd", self.folder / "b.vtu"
-        self.run_well("phantom", "bifurcation", "--size", 88, 64, 80, "--spacing", 0.3, "-o", image)
-        self.run_well("lattice", image, "-o", mesh)
-        return mesh
+        self.give(("phantom", "bifurcation", "--size", 88, 64, 80, "--spacing", 0.3, "-o", "b.nrrd"), ("lattice", "b.nrrd", "-o", "b.vtu"))
+        return self.folder / "b.vtu"
 
     def layered(self, *options):
         """The vessel with layers around or within it."""

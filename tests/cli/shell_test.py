@@ -123,7 +123,7 @@ class StopTest(ProgramTest):
     def setUp(self):
         super().setUp()
         self.image = self.folder / "big.nrrd"
-        self.run_well("phantom", "carotid", "-o", self.image, "--size", 192, 192, 190, "--spacing", 2.7)
+        self.give(("phantom", "carotid", "-o", "big.nrrd", "--size", 192, 192, 190, "--spacing", 2.7))
 
     def test_a_terminal_shows_stage_and_share_which_never_falls(self):
         text = self.on_a_terminal("lattice", self.image, "--spacing", "2", "-o", self.folder / "a.vtu")

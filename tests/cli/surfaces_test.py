@@ -297,7 +297,7 @@ class SurfacesTest(ProgramTest):
         for path, places in ends.items():
             for place in places:
                 name = ",".join(f"{x:.6g}" for x in place)
-                self.run_well("delaunay", path, "-o", mesh, "--extend", "5r", f"--name={name}=mine", "-q")
+                self.run_well("delaunay", path, "-o", mesh, "--edge-length", "2", "--extend", "5r", f"--name={name}=mine", "-q")
                 self.assertIn("mine", {p["name"] for p in self.info(mesh)["patches"]}, (path, place))
         case = self.folder / "case.toml"
         case.write_text('mesher = "delaunay"\n[input]\nsurface = "tube.stl"\nextend = "5r"\n[openings]\nnames = ["0,0,12=mine"]\n'
