@@ -1,5 +1,6 @@
 #include "surface_rebuild.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -24,12 +25,16 @@ class GivenSurface {
       : mesh_(mesh), tree_(mesh.points, mesh.triangles), winding_(mesh.points, mesh.triangles) {
     std::vector<Cell<3>> triangles = mesh.triangles;
     parts_ = surfaces::turn_alike(triangles, surfaces::edge_neighbours(triangles)).count;
+    is_closed_ = surfaces::closing_edges(mesh.triangles).empty();
   }
 
-  /// Whether there is inside on one side of a place on the surface and outside on the other.
-  [[nodiscard]] bool is_boundary(const Vec3& point, std::size_t triangle, double step_mm) const {
+  /// Radius around a place on a triangle within which the surface has inside on both sides; below zero where
+  /// there is outside on one. What is closed has one winding number up to its nearest triangle.
+  [[nodiscard]] double inside_within(const Vec3& point, std::size_t triangle, double step_mm) const {
     const Vec3 step = step_mm * triangle_normal(mesh_.points, mesh_.triangles[triangle]);
-    return winding_.at(point + step) < kInsideWinding || winding_.at(point - step) < kInsideWinding;
+    if (winding_.at(point + step) < kInsideWinding || winding_.at(point - step) < kInsideWinding) return -1;
+    return is_closed_ ? std::min(tree_.nearest(point + step).distance, tree_.nearest(point - step).distance)
+                      : 0;
   }
   [[nodiscard]] std::uint32_t parts() const { return parts_; }
   [[nodiscard]] const TriangleTree& tree() const { return tree_; }
@@ -39,6 +44,7 @@ class GivenSurface {
   TriangleTree tree_;
   WindingNumbers winding_;
   std::uint32_t parts_;
+  bool is_closed_;
 };
 
 /// @param max_distance_mm  What it may move at most.
@@ -58,7 +64,7 @@ RebuiltSurface rebuilt_from(surfaces::Contour contour, double spacing_mm, const 
   const TriangleTree tree(made.surface.points, made.surface.triangles);
   const surfaces::FarthestPoint out = surfaces::farthest_from(
       given, tree, step, nullptr,
-      [&](const Vec3& p, std::size_t t) { return surface.is_boundary(p, t, max_distance_mm / 2); });
+      [&](const Vec3& p, std::size_t t) { return surface.inside_within(p, t, max_distance_mm / 2); });
   const surfaces::FarthestPoint back = surfaces::farthest_from(made.surface, surface.tree(), step);
   made.moved = back.distance_mm > out.distance_mm ? back : out;
   if (made.moved.distance_mm > max_distance_mm) {

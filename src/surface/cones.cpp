@@ -4,25 +4,9 @@
 #include <map>
 
 #include "lumesh/core/disjoint_sets.hpp"
-#include "lumesh/mesh/triangle_sides.hpp"
+#include "lumesh/surface/winding.hpp"
 
 namespace lumesh::surfaces {
-namespace {
-
-/// Directed edges that close a surface: as often as its triangles run each edge one way more than the other,
-/// the other way.
-std::vector<std::array<std::uint32_t, 2>> closing_edges(std::span<const Cell<3>> triangles) {
-  std::vector<std::array<std::uint32_t, 2>> edges;
-  for_each_edge(sorted_sides(triangles), [&](std::span<const TriangleSide> sides) {
-    int up = 0;
-    for (const TriangleSide& side : sides) up += side.runs_up(triangles[side.triangle]) ? 1 : -1;
-    for (; up > 0; --up) edges.push_back({sides[0].high, sides[0].low});
-    for (; up < 0; ++up) edges.push_back({sides[0].low, sides[0].high});
-  });
-  return edges;
-}
-
-}  // namespace
 
 /// Each connected part of the closing edges is a cone's rim, as each of their ends is a beginning, too.
 ClosedByCones::ClosedByCones(std::vector<Vec3> given_points, std::span<const Cell<3>> given_triangles)

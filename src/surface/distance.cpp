@@ -28,21 +28,27 @@ double longest_edge(const MeasuredCorners& c) {
 }
 
 /// The farthest point of one triangle after another.
-template <class Counts>
+template <class LeftOutWithin>
 class FarthestSearch {
  public:
   /// @param farthest  Of the triangles before.
-  FarthestSearch(const TriangleTree& other, FarthestPoint& farthest, const Counts& counts)
-      : other_(other), farthest_(farthest), counts_(counts) {}
+  FarthestSearch(const TriangleTree& other, FarthestPoint& farthest, const LeftOutWithin& left_out_within)
+      : other_(other), farthest_(farthest), left_out_within_(left_out_within) {}
 
   void look_at(const Measured& place) {
-    if (place.nearest.distance > farthest_.distance_mm && counts_(place.point))
+    if (place.nearest.distance <= farthest_.distance_mm || is_left_out(place)) return;
+    const double radius = left_out_within_(place.point);
+    if (radius < 0)
       farthest_ = {place.nearest.distance, place.point};
+    else
+      left_out_ = {place.point, radius};
   }
   /// Looks at middles of edges and centres of n^2 equal parts, n a power of two, wherever a point may be
   /// farther than those before.
   void look_within(const MeasuredCorners& corners, double longest, unsigned n) {
     if (!may_hold_farther(corners, longest)) return;
+    // A ball is convex.
+    if (is_left_out(corners[0]) && is_left_out(corners[1]) && is_left_out(corners[2])) return;
     if (n == 1)
       return look_at(measured((corners[0].point + corners[1].point + corners[2].point) / 3, corners[0]));
     MeasuredCorners middles;  // Each behind the corner of its number.
@@ -57,6 +63,14 @@ class FarthestSearch {
   }
 
  private:
+  /// Points of the triangle that do not count.
+  struct LeftOut {
+    Vec3 middle = Vec3::Zero();
+    double radius = 0;
+  };
+  [[nodiscard]] bool is_left_out(const Measured& place) const {
+    return (place.point - left_out_.middle).squaredNorm() < left_out_.radius * left_out_.radius;
+  }
   /// Distances to one triangle are convex: none within is larger than the largest at the corners. In general
   /// they grow no faster than the way, and no point is farther from all corners than the longest edge by the
   /// root of three.
@@ -77,14 +91,15 @@ class FarthestSearch {
 
   const TriangleTree& other_;
   FarthestPoint& farthest_;
-  const Counts& counts_;
+  const LeftOutWithin& left_out_within_;
+  LeftOut left_out_;  // The last that were found.
 };
 
 }  // namespace
 
 FarthestPoint farthest_from(const TriangleMesh& surface, const TriangleTree& other, double step_mm,
                             const std::function<bool(std::size_t)>& is_wanted,
-                            const std::function<bool(const Vec3&, std::size_t)>& counts) {
+                            const std::function<double(const Vec3&, std::size_t)>& left_out_within) {
   constexpr std::size_t kBlock = 64;
   const std::size_t count = surface.triangles.size();
   std::vector<std::uint8_t> is_corner(surface.points.size(), 0);
@@ -101,8 +116,8 @@ FarthestPoint farthest_from(const TriangleMesh& surface, const TriangleTree& oth
         [&](FarthestPoint& farthest, std::size_t t) {
           if (is_wanted && !is_wanted(t)) return;
           const auto& [a, b, c] = surface.triangles[t];
-          const auto counts_here = [&](const Vec3& p) { return !counts || counts(p, t); };
-          look(FarthestSearch(other, farthest, counts_here),
+          const auto within = [&](const Vec3& p) { return left_out_within ? left_out_within(p, t) : -1.0; };
+          look(FarthestSearch(other, farthest, within),
                MeasuredCorners{measured[a], measured[b], measured[c]});
         },
         farther);

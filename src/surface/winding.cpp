@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "lumesh/geometry/triangle.hpp"
+#include "lumesh/mesh/triangle_sides.hpp"
 #include "lumesh/surface/shells.hpp"
 
 namespace lumesh {
@@ -39,6 +40,17 @@ class AngleSum {
 };
 
 }  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> surfaces::closing_edges(std::span<const Cell<3>> triangles) {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  for_each_edge(sorted_sides(triangles), [&](std::span<const TriangleSide> sides) {
+    int up = 0;
+    for (const TriangleSide& side : sides) up += side.runs_up(triangles[side.triangle]) ? 1 : -1;
+    for (; up > 0; --up) edges.push_back({sides[0].high, sides[0].low});
+    for (; up < 0; ++up) edges.push_back({sides[0].low, sides[0].high});
+  });
+  return edges;
+}
 
 WindingNumbers::WindingNumbers(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
   std::vector<Vec3> middles(triangles.size());

@@ -22,12 +22,12 @@ void for_each_part_centre(const Vec3& a, const Vec3& b, const Vec3& c, int n, co
 /// The largest distance of points of some triangles to a surface: corners and centres of their equal parts
 /// with no edge above `step_mm`, n^2 of each triangle with n a power of two, at most 64. One side of the
 /// Hausdorff distance. Cost: little where no place can be farther than those found.
-/// @param is_wanted  Whether a triangle counts; null: all. @param counts  Whether a point of one does, asked
-/// of points farther than those before; null: all. Threads: parallel inside, bitwise the same for every
-/// count.
+/// @param is_wanted  Whether a triangle counts; null: all. @param left_out_within  Below zero where a point
+/// of one counts, else a radius around it within which no point of the triangle does; asked of points farther
+/// than those before; null: all count. Threads: parallel inside, bitwise the same for every count.
 [[nodiscard]] FarthestPoint farthest_from(
     const TriangleMesh& surface, const TriangleTree& other, double step_mm,
     const std::function<bool(std::size_t triangle)>& is_wanted = nullptr,
-    const std::function<bool(const Vec3& point, std::size_t triangle)>& counts = nullptr);
+    const std::function<double(const Vec3& point, std::size_t triangle)>& left_out_within = nullptr);
 
 }  // namespace lumesh::surfaces

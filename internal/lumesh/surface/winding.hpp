@@ -1,6 +1,7 @@
 #pragma once
 /// @file How often a surface of triangles winds around a point: what is inside of surfaces with faults.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,6 +9,14 @@
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
+
+namespace surfaces {
+
+/// Directed edges that close a surface: as often as its triangles run each edge one way more than the other,
+/// the other way. Where there are none, winding numbers are whole off the surface, and change at it alone.
+[[nodiscard]] std::vector<std::array<std::uint32_t, 2>> closing_edges(std::span<const Cell<3>> triangles);
+
+}  // namespace surfaces
 
 /// Generalized winding numbers (Jacobson et al. 2013, doi:10.1145/2461912.2461916) by a tree of dipoles
 /// (Barill et al. 2018, doi:10.1145/3197517.3201337, order 1): 1 inside of a surface that points outwards, 0
