@@ -22,7 +22,7 @@ browser_packages=(chromium)
 # Solvers that run on what lumesh writes, 0.8 GB; their tests skip themselves where they are missing.
 solver_packages=(openfoam python3-dolfinx)
 # What checks the source, and the second compiler; ccache makes the second build quick.
-check_packages=(clang-format-14 clang-tidy clang-14 ccache)
+check_packages=(clang-format-14 clang-tidy clang-14 ccache lld)
 # What reads line coverage (scripts/coverage).
 coverage_packages=(gcovr)
 
