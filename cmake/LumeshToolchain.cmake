@@ -44,11 +44,11 @@ if(LUMESH_SANITIZE)
   endif()
 endif()
 if(LUMESH_SANITIZE MATCHES "undefined")
-  # UBSan's checks of every access make builds slow. AddressSanitizer itself stops one through a null pointer; only what reads
-  # the bytes of files can come to one that is not aligned.
+  # UBSan's checks of every access make builds slow. AddressSanitizer itself stops one through a null pointer or past an
+  # end; only what reads the bytes of files can come to one that is not aligned, or to an offset that wraps around.
   target_compile_options(lumesh_flags INTERFACE
     $<BUILD_INTERFACE:-fno-sanitize=null>
-    "$<BUILD_INTERFACE:$<$<NOT:$<IN_LIST:$<TARGET_PROPERTY:NAME>,lumesh_io$<SEMICOLON>lumesh_image>>:-fno-sanitize=alignment>>")
+    "$<BUILD_INTERFACE:$<$<NOT:$<IN_LIST:$<TARGET_PROPERTY:NAME>,lumesh_io$<SEMICOLON>lumesh_image>>:-fno-sanitize=alignment,pointer-overflow>>")
 endif()
 if(LUMESH_SANITIZE MATCHES "thread")
   # Debian's oneTBB is not built for ThreadSanitizer; the header there says what stands in for it.
