@@ -1,10 +1,16 @@
 #include "voxel_tree.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <optional>
 #include <queue>
 #include <set>
+#include <utility>
 
 #include "loops.hpp"
+#include "vessel_walk.hpp"
 #include "voxel_paths.hpp"
 
 namespace lumesh::centerline {
@@ -168,12 +174,54 @@ class TreeBuilder {
     return radii >= shortest_tip_ && length >= shortest_tip_ * widest && length >= 2 * lumen_.voxel_mm();
   }
 
+  /// Whether a path to a tip is no branch, but lies at the side of an oval vessel, where the distance to the
+  /// wall has a ridge: the straight ways to it from the nearest path stay in the lumen, and the one to its
+  /// tip still does when it moves along that path. It leaves a branch once it has moved further than the
+  /// branch is wide.
+  [[nodiscard]] bool is_side_of_vessel(const std::vector<std::uint32_t>& path) const {
+    constexpr double kMoved = 1.5;  // Times the way's length, at which a branch at 45 degrees has been left.
+    if (paths_.empty()) return false;
+    const Vec3 tip = lumen_.position(path.back());
+    const auto [parent, voxel] = nearest_on_paths(tip);
+    VesselWalk walk(lumen_, tree_, paths_, parent, voxel);
+    walk.start_beside(tip);
+    const Vec3 whole = tip - walk.start();
+    // To the near face of a voxel that the wall may cut.
+    const Vec3 across = std::max(0.0, 1 - 0.5 * lumen_.voxel_mm() / whole.norm()) * whole;
+    constexpr double kAlong =
+        0.7;  // Cosine beyond which a tip lies ahead of a path's end: both may be a ring's.
+    if (std::abs(walk.direction().dot(across)) > kAlong * across.norm()) return false;
+    const double far_mm = kMoved * across.norm();
+    const std::optional<double> back = walk.carried_mm(across, far_mm, -1);
+    const std::optional<double> on = back ? walk.carried_mm(across, far_mm, 1) : std::nullopt;
+    return on && *back + *on >= far_mm && std::ranges::all_of(path, [&](std::uint32_t v) {
+             walk.start_beside(lumen_.position(v));
+             const Vec3 way = lumen_.position(v) - walk.start();
+             return way.norm() <= far_mm && walk.is_in_lumen(walk.start(), way);
+           });
+  }
+
+  /// A path and a voxel on it.
+  [[nodiscard]] std::pair<std::size_t, std::uint32_t> nearest_on_paths(const Vec3& place) const {
+    std::pair<std::size_t, std::uint32_t> nearest = {0, tree_.root};
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t p = 0; p < paths_.size(); ++p)
+      for (const std::uint32_t v : paths_[p].voxels) {
+        const double squared_mm = (lumen_.position(v) - place).squaredNorm();
+        if (squared_mm >= least) continue;
+        least = squared_mm;
+        nearest = {p, v};
+      }
+    return nearest;
+  }
+
   void try_path(std::uint32_t end, int opening) {
     VoxelPath path = trace(end);
     path.last.opening = opening;
     const std::vector<std::uint32_t> all = path.voxels;
     if (opening < 0) path.voxels.resize(last_ball(path.voxels) + 1);
-    if (is_vessel(path.voxels, opening >= 0)) add(std::move(path));
+    if (is_vessel(path.voxels, opening >= 0) && (opening >= 0 || !is_side_of_vessel(path.voxels)))
+      add(std::move(path));
     if (opening < 0) cover(all);
   }
 

@@ -108,6 +108,54 @@ TEST(Centerline, TheRadiusOfAFlatVesselIsThatOfTheBallThatFits) {
   }
 }
 
+/// A vessel along z through the image, of an oval section 6 voxels thick in its middle and so many times as
+/// wide, that bends within the plane of its long axis.
+class OvalVessel {
+ public:
+  OvalVessel(double wide, double curvature) : wide_(wide), curvature_(curvature) {}
+
+  [[nodiscard]] LabelImage image() const {
+    return shape_image({72, 96, 64}, [this](const Vec3& p) { return contains(p); });
+  }
+  [[nodiscard]] bool contains(const Vec3& p) const {
+    return std::hypot(p.x() - 35.3, (p.y() - middle(p.z())) / wide_) < kThin;
+  }
+  [[nodiscard]] double middle(double z) const { return 40.3 + curvature_ / 2 * (z - 31.5) * (z - 31.5); }
+  static constexpr double kThin = 6.2;
+
+ private:
+  double wide_, curvature_;
+};
+
+TEST(Centerline, AnOvalVesselHasOneAxis) {
+  for (const double wide : {1.7, 1.9, 2.2, 2.6})
+    for (const double curvature : {0.0, 0.01}) {
+      const OvalVessel vessel(wide, curvature);
+      const Polylines lines = lines_in(vessel.image());
+      EXPECT_EQ(lines.lines.size(), 1U) << wide << " times as wide, curvature " << curvature;
+      for (const AxisSample& sample : samples_of(lines, 0.5)) EXPECT_TRUE(vessel.contains(sample.point));
+    }
+}
+
+TEST(Centerline, BlindBranchesOfAnOvalVesselHaveAxes) {
+  const OvalVessel vessel(1.9, 0);
+  for (const double degrees : {90.0, 60.0, 45.0})
+    for (const bool leaves_edge : {false, true})
+      for (const double radius : {3.0, 5.0}) {
+        const double lean = degrees * std::numbers::pi / 180;
+        const Vec3 foot(35.3, vessel.middle(24), 24);
+        const Vec3 along(leaves_edge ? 0 : std::sin(lean), leaves_edge ? std::sin(lean) : 0, std::cos(lean));
+        const double wall = (leaves_edge ? 1.9 : 1) * OvalVessel::kThin / std::sin(lean);
+        const Polylines lines = lines_in(shape_image({72, 96, 64}, [&](const Vec3& p) {
+          const Vec3 off = p - foot;
+          const double on = std::clamp(off.dot(along), 0.0, wall + 4 * radius);
+          return vessel.contains(p) || (off - on * along).norm() < radius;
+        }));
+        EXPECT_EQ(lines.lines.size(), 2U)
+            << degrees << " degrees, radius " << radius << ", from the edge " << leaves_edge;
+      }
+}
+
 TEST(Centerline, TheRadiusInAStenosisIsThatOfItsThroat) {
   for (const double open_share : {0.2, 0.3, 0.5}) {  // Of the area, two radii along the vessel.
     const auto radius_at = [&](double z) {
