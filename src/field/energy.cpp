@@ -119,33 +119,41 @@ class ShiftedSums {
   enum Part : std::uint8_t { kX1, kX2, kXm, kXY, kXmY, kXYm, kXZ, kXmZ, kXZm, kXYZ, kShiftedCount };
   enum Straight : std::uint8_t { kO = kShiftedCount, kPlusY, kMinusY, kPlusZ, kMinusZ, kPlusYZ, kCount };
 
-  /// For up to `segments` segments of a block.
-  [[gnu::always_inline]] inline void reserve(std::size_t segments) {
-    stride_ = (segments + 2) * kLanes;
-    if (values_.size() < stride_ * kCount) values_.resize(stride_ * kCount);
-    for (std::size_t part = 0; part < kShiftedCount; ++part) {
-      store(&values_[part * stride_], Lanes{});
-      store(&values_[(part + 1) * stride_ - kLanes], Lanes{});
+  /// The sums of a block by part and segment. Copied, so that the compiler knows that no store changes it.
+  struct View {
+    float* first;
+    std::ptrdiff_t stride;
+    float* nowhere;
+
+    [[gnu::always_inline]] inline float* at(std::size_t part, std::ptrdiff_t segment) const {
+      return first + static_cast<std::ptrdiff_t>(part) * stride + segment * kLanes;
     }
-  }
-  /// Where a row's contributions go: y, or nowhere if there is no such row (they are 0), for other threads
-  /// write to theirs.
-  [[gnu::always_inline]] inline float* row_of(float* y, std::int32_t segment) {
-    return segment == 0 ? nowhere_.data() : y + static_cast<std::ptrdiff_t>(segment) * kLanes;
-  }
-  [[gnu::always_inline]] inline float* at(std::size_t part, std::size_t segment) {
-    return &values_[part * stride_ + (segment + 1) * kLanes];
+    /// Where a row's contributions go: y, or nowhere if there is no such row (they are 0), for other threads
+    /// write to theirs.
+    [[gnu::always_inline]] inline float* row_of(float* y, std::int32_t segment) const {
+      return segment == 0 ? nowhere : y + static_cast<std::ptrdiff_t>(segment) * kLanes;
+    }
+  };
+
+  /// For up to `segments` segments of a block.
+  [[gnu::always_inline]] inline View reserve(std::size_t segments) {
+    const std::size_t stride = (segments + 2) * kLanes;
+    if (values_.size() < stride * kCount) values_.resize(stride * kCount);
+    for (std::size_t part = 0; part < kShiftedCount; ++part) {
+      store(&values_[part * stride], Lanes{});
+      store(&values_[(part + 1) * stride - kLanes], Lanes{});
+    }
+    return {values_.data() + kLanes, static_cast<std::ptrdiff_t>(stride), nowhere_.data()};
   }
 
  private:
   std::vector<float> values_;
-  std::size_t stride_ = 0;
   std::array<float, kLanes> nowhere_ = {};
 };
 
 [[gnu::always_inline]] inline void scatter(const Stencil& out,
-                                           const std::array<std::int32_t, kRowCount>& rows, std::size_t n,
-                                           ShiftedSums& sums, float* y) {
+                                           const std::array<std::int32_t, kRowCount>& rows, std::ptrdiff_t n,
+                                           const ShiftedSums::View sums, float* y) {
   using S = ShiftedSums;
   store(sums.at(S::kX1, n), out.x1), store(sums.at(S::kX2, n), out.x2), store(sums.at(S::kXm, n), out.xm);
   store(sums.at(S::kXY, n), out.xy), store(sums.at(S::kXmY, n), out.xmy), store(sums.at(S::kXYm, n), out.xym);
@@ -160,7 +168,7 @@ class ShiftedSums {
 }
 
 [[gnu::always_inline]] inline void add_shifted(const std::array<std::int32_t, kRowCount>& rows, int segment,
-                                               std::size_t n, ShiftedSums& sums, float* y) {
+                                               std::ptrdiff_t n, const ShiftedSums::View sums, float* y) {
   using S = ShiftedSums;
   const auto at = [&](std::size_t part, std::ptrdiff_t shift) __attribute__((always_inline)) {
     return load(sums.at(part, n) + shift);
@@ -177,19 +185,22 @@ class ShiftedSums {
 
 template <Form form>
 [[gnu::always_inline]] inline void apply_block(const Energy& e, const Band::Block& block, const float* x,
-                                               ShiftedSums& sums, float* y) {
+                                               ShiftedSums& block_sums, float* y) {
   const Band& band = *e.band;
-  sums.reserve(static_cast<std::size_t>(block.end - block.begin));
-  for (int s = block.begin; s < block.end; ++s) {
-    const auto& rows = band.rows(s);
-    const Stencil u = gather(rows, s, x);
+  const auto* const rows = &band.rows(0);
+  const float* const stiffness = e.stiffness.data();
+  const int begin = block.begin, end = block.end;
+  const ShiftedSums::View sums = block_sums.reserve(static_cast<std::size_t>(end - begin));
+  for (int s = begin; s < end; ++s) {
+    const Stencil u = gather(rows[s], s, x);
     Stencil out;
+    const Lanes stiff = load(stiffness + static_cast<std::ptrdiff_t>(s) * kLanes);
     if constexpr (form == Form::kDiagonal) {
-      add_difference_squares(u, e.differences, load(e.stiffness.at(s)), out);
+      add_difference_squares(u, e.differences, stiff, out);
     } else {
       Differences d = differences_of(u);
       if constexpr (form == Form::kResidual) subtract_targets(e.targets, s, d);
-      transpose(weighted(d, e.differences, load(e.stiffness.at(s))), out);
+      transpose(weighted(d, e.differences, stiff), out);
     }
     int entry = band.first_entry(s);
     if (form != Form::kDiagonal && entry != band.first_entry(s + 1)) {
@@ -197,10 +208,9 @@ template <Form form>
       if (band.faces(s, 1) != 0) add_face_rows<form, 1>(u, e.faces, entry++, out);
       if (band.faces(s, 2) != 0) add_face_rows<form, 2>(u, e.faces, entry++, out);
     }
-    scatter(out, rows, static_cast<std::size_t>(s - block.begin), sums, y);
+    scatter(out, rows[s], s - begin, sums, y);
   }
-  for (int s = block.begin; s < block.end; ++s)
-    add_shifted(band.rows(s), s, static_cast<std::size_t>(s - block.begin), sums, y);
+  for (int s = begin; s < end; ++s) add_shifted(rows[s], s, s - begin, sums, y);
 }
 
 LUMESH_WIDE_LOOPS void multiply(const Energy& e, const Band::Block& block, const float* x, ShiftedSums& sums,
