@@ -12,16 +12,26 @@ namespace {
 
 constexpr std::size_t kMinLumen = 24;  // voxels; fewer are a speck
 
-/// Appends the voxels of background of a border layer from which no way in it leads to the layer's edge.
-void add_holes(const LabelImage& image, int axis, int place, std::vector<Index3>& holes) {
+/// The box of the voxels of a border layer that have a face in it; beyond there is no change of label, so
+/// that holes of the layer do not reach its edge, and all other background does.
+VoxelBox box_of_changes(const PairFaces& outer_wall, int axis, int place) {
+  VoxelBox box = VoxelBox::nothing();
+  for (const Face& face : outer_wall.faces)
+    if (face.axis != axis && face.voxel[axis] == place)
+      box.add(face.voxel, face.voxel + Index3::Unit(face.axis) + Index3::Ones());
+  return box;
+}
+
+/// Appends the voxels of background of a border layer from which no way in it leads to the box's edge.
+void add_holes(const LabelImage& image, int axis, const VoxelBox& box, std::vector<Index3>& holes) {
+  if (box.is_empty()) return;
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const Index3& size = image.frame().size;
+  const Index3 size = box.high - box.low;
   const auto columns = static_cast<std::size_t>(size[u]), count = columns * static_cast<std::size_t>(size[v]);
   const auto voxel = [&](std::size_t square) {
-    Index3 at;
-    at[axis] = place;
-    at[u] = static_cast<int>(square % columns);
-    at[v] = static_cast<int>(square / columns);
+    Index3 at = box.low;
+    at[u] += static_cast<int>(square % columns);
+    at[v] += static_cast<int>(square / columns);
     return at;
   };
   const std::vector<std::uint32_t> part =
@@ -30,8 +40,9 @@ void add_holes(const LabelImage& image, int axis, int place, std::vector<Index3>
   reaches_edge[0] = 1;  // The object.
   for (std::size_t square = 0; square < count; ++square) {
     const Index3 at = voxel(square);
-    if (at[u] == 0 || at[v] == 0 || at[u] + 1 == size[u] || at[v] + 1 == size[v])
-      reaches_edge[part[square]] = 1;
+    const bool is_at_edge =
+        at[u] == box.low[u] || at[v] == box.low[v] || at[u] + 1 == box.high[u] || at[v] + 1 == box.high[v];
+    if (is_at_edge) reaches_edge[part[square]] = 1;
   }
   for (std::size_t square = 0; square < count; ++square)
     if (reaches_edge[part[square]] == 0) holes.push_back(voxel(square));
@@ -108,7 +119,8 @@ std::optional<UnlabelledLumens> find_unlabelled_lumens(const LabelImage& image, 
   const ImageFrame& frame = image.frame();
   std::vector<Index3> holes;
   for (int axis = 0; axis < 3; ++axis)
-    for (const int place : {0, frame.size[axis] - 1}) add_holes(image, axis, place, holes);
+    for (const int place : {0, frame.size[axis] - 1})
+      add_holes(image, axis, box_of_changes(outer_wall, axis, place), holes);
   if (holes.empty()) return std::nullopt;
   const std::vector<Index3> lumens = voxels_of_lumens(image, holes);
   if (lumens.empty()) return std::nullopt;
