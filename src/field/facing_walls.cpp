@@ -131,9 +131,10 @@ void FacingWalls::find_neighbours() {
   });
 }
 
-/// Each supervoxel grows into the background. Grown ones that touch have met.
+/// Each supervoxel grows into the background. Grown ones that touch have met; neighbours do not count.
 std::vector<std::array<FacingWalls::Cell, 2>> FacingWalls::met_cells() {
   std::vector<std::array<Cell, 2>> met;
+  std::array<Cell, 2> last = {};
   std::vector<Lane> front, next;
   for (Lane lane = 0; lane < static_cast<Lane>(cell_of_.size()); ++lane)
     if (cell_of_[static_cast<std::size_t>(lane)] != 0) front.push_back(lane);
@@ -145,7 +146,10 @@ std::vector<std::array<FacingWalls::Cell, 2>> FacingWalls::met_cells() {
       reached = own;
       next.push_back(other);
     } else if (reached != own && !(is_object(band_, lane) && is_object(band_, other))) {
-      met.push_back({std::min(own, reached), std::max(own, reached)});
+      const std::array<Cell, 2> pair = {std::min(own, reached), std::max(own, reached)};
+      if (pair == last) return;
+      last = pair;
+      if (!are_neighbours(own, reached)) met.push_back(pair);
     }
   };
   for (int step = 0; step < kGapSteps; ++step, std::swap(front, next)) {
@@ -154,7 +158,16 @@ std::vector<std::array<FacingWalls::Cell, 2>> FacingWalls::met_cells() {
       for_each_face_neighbour(band_, lane, [&](Lane other) { grow(lane, other); });
     sort_unique(met);
   }
+  // Nor do those face each other that hang together by a third one.
+  std::erase_if(met, [&](const std::array<Cell, 2>& pair) {
+    return std::ranges::any_of(neighbours_.of(pair[0]),
+                               [&](Cell between) { return are_neighbours(between, pair[1]); });
+  });
   return met;
+}
+
+bool FacingWalls::are_neighbours(Cell a, Cell b) const {
+  return std::ranges::find(neighbours_.of(a), b) != neighbours_.of(a).end();
 }
 
 parallel::Adjacency FacingWalls::facing_cells() {

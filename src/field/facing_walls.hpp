@@ -45,7 +45,9 @@ class FacingWalls {
 
   void find_cells();
   void find_neighbours();
-  /// Pairs of supervoxels that meet when they grow into the background, ascending.
+  [[nodiscard]] bool are_neighbours(Cell a, Cell b) const;
+  /// Pairs of supervoxels, more than two steps apart, that meet when they grow into the background,
+  /// ascending.
   [[nodiscard]] std::vector<std::array<Cell, 2>> met_cells();
   /// Of each supervoxel those that it meets though they do not hang together near by, specks left out.
   [[nodiscard]] parallel::Adjacency facing_cells();
