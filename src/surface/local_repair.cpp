@@ -75,6 +75,17 @@ class LocalRepair {
     if (!is_sound_) put_back(is_bad);
   }
 
+  /// Whether triangles of different components meet.
+  [[nodiscard]] bool components_cross() const {
+    if (is_sound_) return false;
+    TriangleMesh copy = surface_;
+    const Parts parts = turn_alike(copy);
+    return std::ranges::any_of(find_self_crossings(surface_.points, surface_.triangles),
+                               [&](const SelfCrossing& pair) {
+                                 return parts.of_triangle[pair.first] != parts.of_triangle[pair.second];
+                               });
+  }
+
   /// Cuts triangles along the lines where they cross and leaves out what lies inside. False if that fails, or
   /// cuts an opening.
   bool cut_crossings() {
@@ -536,18 +547,25 @@ class LocalRepair {
 RepairedSurface repair_locally(const TriangleMesh& surface, double max_distance_mm) {
   LocalRepair prepared(surface, max_distance_mm);
   prepared.prepare();
-  RepairedSurface first;
-  for (const Pieces pieces : {Pieces::kTriangles, Pieces::kShort})
+  RepairedSurface first;  // Of the failures.
+  const auto succeeds = [&](RepairedSurface made) {
+    if (made.ok() || first.ok()) first = std::move(made);
+    return first.ok();
+  };
+  const auto cut = [&] {
+    LocalRepair attempt(prepared);
+    return attempt.cut_crossings() && succeeds(attempt.run(Folds::kLeave, Pieces::kTriangles));
+  };
+  const bool components_cross = prepared.components_cross();  // Taking out pieces does not part them.
+  for (const Pieces pieces : {Pieces::kTriangles, Pieces::kShort}) {
+    if (pieces == Pieces::kShort && components_cross && cut()) return first;
     for (const Folds folds : {Folds::kTakeOut, Folds::kLeave}) {
       LocalRepair attempt(prepared);
-      RepairedSurface made = attempt.run(folds, pieces);
-      if (made.ok()) return made;
-      if (first.ok()) first = std::move(made);
+      if (succeeds(attempt.run(folds, pieces))) return first;
       if (!attempt.has_met_folds()) break;  // Leaving them makes no difference.
     }
-  LocalRepair cut(prepared);
-  if (cut.cut_crossings())
-    if (RepairedSurface made = cut.run(Folds::kLeave, Pieces::kTriangles); made.ok()) return made;
+  }
+  if (!components_cross) cut();
   return first;
 }
 
