@@ -121,7 +121,8 @@ CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& con
   take_labels(request, mesh);
   if (is_surface)
     made.closed = context.phase("close", [&] {
-      std::vector<surfaces::ClosedRim> closed = close_open_ends(mesh, request.surface, context);
+      std::vector<surfaces::ClosedRim> closed =
+          naming(request.path, [&] { return close_open_ends(mesh, request.surface, context); });
       warn_of_filled_ends(closed, context);
       return closed;
     });

@@ -21,6 +21,7 @@
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/surface/closing.hpp"
 #include "lumesh/surface/edges.hpp"
+#include "lumesh/surface/far_vertices.hpp"
 #include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/shells.hpp"
 #include "surface_cuts.hpp"
@@ -232,7 +233,7 @@ SurfaceInput read_surface(const std::filesystem::path& path, const std::string& 
   input.given_box_mm = bounding_box(input.mesh.points);
   const double given_mm =
       input.mesh.triangles.empty() ? 0 : usual_resolution_mm(input.mesh.points, input.mesh.triangles);
-  input.closed = close_open_ends(input.mesh, options, context);
+  input.closed = naming(path.string(), [&] { return close_open_ends(input.mesh, options, context); });
   if (!input.closed.empty()) input.resolution_mm = given_mm;
   if (cuts.none()) return input;
   naming(path.string(), [&] { cut_and_extend(input, cuts, options.domain, context); });
@@ -243,6 +244,7 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
                                        const Context& context) {
   split_quadrilaterals(surface);
   weld_points(surface);
+  surfaces::refuse_far_vertices(surface.points, surface.triangles);
   if (options.keeps_open) return {};
   const auto patch_count = static_cast<std::int32_t>(surface.info.patches.size());
   surfaces::ClosedSurfaceMade made =

@@ -15,6 +15,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"
+#include "lumesh/surface/far_vertices.hpp"
 #include "lumesh/surface/loose_triangles.hpp"
 #include "torn_corners.hpp"
 
@@ -30,6 +31,7 @@ class SurfaceCheck {
 
   std::vector<Finding> find() {
     look_at_doubles();
+    look_at_far_vertices();
     look_at_loose_triangles();
     look_at_stray_pieces();
     alike_ = surface_;
@@ -88,6 +90,14 @@ class SurfaceCheck {
     for (const std::uint32_t t : duplicates) doubles.add(middle_of(t));
     without_triangles(surface_, duplicates);
     keep(std::move(doubles));
+  }
+
+  void look_at_far_vertices() {
+    Finding far = fault("far_vertices", "vertices more than 1000 times as far away as the others");
+    far.remedy = kFarVertexRemedy;
+    for (const std::uint32_t v : far_vertices(surface_.points, surface_.triangles))
+      far.add(surface_.points[v]);
+    keep(std::move(far));
   }
 
   /// They are looked at no further.

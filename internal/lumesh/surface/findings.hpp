@@ -20,7 +20,8 @@ inline constexpr double kFoldCosine = -0.99984769515639127;
 /// The findings, faults first; empty if there is nothing to say. Points are in mm and finite, triangles name
 /// points that are there. Equal points count as one. Kinds, where they occur:
 /// - faults: `holes` and `non_manifold_edges` (three triangles or more), `non_manifold_vertices` (triangles
-///   that are more than one fan), `one_sided`, `duplicate_triangles`, `self_intersections` between sheets;
+///   that are more than one fan), `one_sided`, `duplicate_triangles`, `far_vertices`, `self_intersections`
+///   between sheets;
 /// - remarks, which meshing copes with: `openings`, `turned_triangles`, `inside_out` parts, `folds` (less
 ///   than 1 degree between neighbours), `local_intersections` of triangles a few edges apart,
 ///   `duplicate_points`, `degenerate_triangles` (without area), `needles` (an angle below 1 degree),

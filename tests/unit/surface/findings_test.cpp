@@ -57,6 +57,31 @@ TEST(Findings, OpeningsEndAWallHolesAreWithinIt) {
   EXPECT_EQ(words_of(findings_of(window.points, window.triangles)), "openings:2");
 }
 
+TEST(Findings, AVertexAbsurdlyFarAwayIsAFault) {
+  for (const double place : {1e5, 1e19, -1e38, 1e300}) {
+    TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 20, .around = 48});
+    tube.points[200].y() = place;
+    const std::vector<Finding> findings = findings_of(tube.points, tube.triangles);
+    ASSERT_FALSE(findings.empty());
+    const auto far = std::ranges::find(findings, "far_vertices", &Finding::kind);
+    ASSERT_NE(far, findings.end()) << place;
+    EXPECT_EQ(far->severity, Severity::kFault);
+    EXPECT_EQ(far->count, 1U);
+    EXPECT_EQ(far->places_mm[0].y(), place);
+  }
+  TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 20, .around = 48});
+  tube.points[200].y() = 1e3;  // A needle, but not absurd.
+  const std::vector<Finding> findings = findings_of(tube.points, tube.triangles);
+  EXPECT_EQ(std::ranges::count(findings, "far_vertices", &Finding::kind), 0);
+  // A small finely triangulated part within a large coarse one.
+  TriangleSoup ball = icosphere(5, 0.01);
+  const TriangleSoup box = icosphere(0, 100);
+  const auto first = static_cast<std::uint32_t>(ball.points.size());
+  ball.points.insert(ball.points.end(), box.points.begin(), box.points.end());
+  for (const Cell<3>& t : box.triangles) ball.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  EXPECT_EQ(words_of(ball).find("far_vertices"), std::string::npos);
+}
+
 /// Triangles with corners of their own, each moved along every axis by up to a distance.
 TriangleMesh shaken(const TriangleMesh& mesh, double distance) {
   std::mt19937 random(3);
