@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <span>
 
@@ -132,7 +133,24 @@ void clip_ends(LabelImage& image, const LocalLength& length, std::vector<CutPlan
   warn_of_sections_that_stay(image, planes, tried, context);
 }
 
+/// A plane that every voxel of the object lies before is a mistake.
+void warn_of_planes_beyond(const LabelImage& image, std::span<const CutPlane> planes,
+                           const Context& context) {
+  const auto kept = [&](std::span<const CutPlane> by) {
+    const std::vector<double> counts = count_kept_voxels(image, by);
+    return std::accumulate(counts.begin(), counts.end(), 0.0);
+  };
+  for (const CutPlane& plane : planes)
+    if (kept({&plane, 1}) == kept({})) context.warn(line_on_plane_beyond(plane));
+}
+
 }  // namespace
+
+std::string line_on_plane_beyond(const CutPlane& plane) {
+  return fmt::format("{}: the plane through {} with the normal {} cuts nothing off: all lies before it",
+                     option_name("cut_planes"), place_text(plane.point_mm),
+                     coordinates_text(plane.normal, 3));
+}
 
 std::string refusal_of_cut(const LabelImage& image, const Polylines& lines, std::span<const CutPlane> before,
                            const Vec3& place_mm) {
@@ -149,6 +167,7 @@ std::string refusal_of_cut(const LabelImage& image, const Polylines& lines, std:
 
 std::vector<CutPlane> cut_off(LabelImage& image, const InputCuts& cuts, Context& context) {
   std::vector<CutPlane> planes = cuts.planes;
+  warn_of_planes_beyond(image, planes, context);
   for (const Vec3& place : cuts.places_mm) planes.push_back(cut_at(image, place, planes, context));
   if (cuts.ends) clip_ends(image, *cuts.ends, planes, context);
   return planes;

@@ -50,6 +50,13 @@ class SurfaceCutter {
 
   void cut_off_beyond(const CutPlane& plane) {
     TriangleMesh surface = triangles();
+    const auto is_before = [&](const Cell<3>& t) {
+      return std::ranges::all_of(t, [&](std::uint32_t v) { return plane.height(surface.points[v]) < 0; });
+    };
+    if (std::ranges::all_of(surface.triangles, is_before)) {
+      context_.warn(line_on_plane_beyond(plane));
+      return;
+    }
     const std::int32_t caps =
         surfaces::cut_off_beyond(surface, {plane.point_mm, plane.normal.normalized()}, patch_count());
     replace_by(std::move(surface), caps);

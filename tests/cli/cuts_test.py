@@ -118,6 +118,17 @@ class CutsTest(ProgramTest):
                     self.assertLess(abs(opening["change_percent"]), 2)
                 self.assertIn("--cut-plane 30 10.6", self.run_well("evaluate", cut, "--image", self.image).stderr)
 
+    def test_a_plane_that_cuts_nothing_off_is_told(self):
+        corners = [(x, y, z) for z in (0, 4) for y in (0, 4) for x in (0, 4)]
+        faces = ((0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4),
+                 (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5))
+        box = self.folder / "box.off"
+        box.write_text("OFF\n8 12 0\n" + "".join("%d %d %d\n" % c for c in corners) + "".join("3 %d %d %d\n" % f for f in faces))
+        for path, misses, meets in ((self.image, "0 0 99 0 0 1", "30 10.6 0 1 0 0"), (box, "0 0 99 0 0 1", "2 2 2 0 0 1")):
+            told = self.run_well("delaunay", path, "-o", self.folder / "mesh.vtu", "--cut-plane", *misses.split(), *meets.split()).stderr
+            self.assertIn("the plane through (0.0, 0.0, 99.0) mm with the normal (0, 0, 1) cuts nothing off", told)
+            self.assertEqual(told.count("cuts nothing off"), 1, told)
+
     def test_several_planes_may_follow_one_option(self):
         mesh, one, two = (self.folder / f"{name}.vtu" for name in ("mesh", "one", "two"))
         self.run_well("lattice", self.image, "-o", mesh, "--edge-length", "2")

@@ -24,6 +24,9 @@ namespace lumesh {
                                         const InputCuts& cuts, std::vector<CutPlane>& planes,
                                         Context& context);
 
+/// A warning of a plane that everything lies before.
+[[nodiscard]] std::string line_on_plane_beyond(const CutPlane& plane);
+
 /// The second half of domain_of_cut(). @param domain  Of the image, not extended. @param openings  Its
 /// find_openings().
 [[nodiscard]] std::shared_ptr<const ImageDomain> extended_domain(
