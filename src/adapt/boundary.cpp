@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/operators/creases.hpp"
 #include "lumesh/operators/settling.hpp"
 
@@ -38,11 +39,20 @@ operators::KeepWithin below(std::vector<CutPlane> planes) {
   return [planes = std::move(planes)](const Vec3& place) { return nearest_within(planes, place); };
 }
 
+/// How far points of one plane or cylinder may be off it, as a share of the diagonal: surfaces of which many
+/// meshes are made have coordinates in single precision.
+double tolerance_of(const TetMesh& mesh) {
+  constexpr double kSingle = 5e-7;  // Four roundings.
+  const Box3 box = bounding_box(mesh.points());
+  const double largest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  return kSingle * std::max(1.0, largest / box.diagonal().norm());
+}
+
 }  // namespace
 
 AdaptedBoundary::AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, Context& context)
     : image_(options.image) {
-  constexpr double kNoCreases = 180, kTolerance = 1e-10;
+  constexpr double kNoCreases = 180;
   // The boundary of an image is smooth: where a coarse mesh of it bends sharply, a facet is no plane.
   const bool may_have_creases = !options.is_frozen && !options.image;
   origins_ = context.phase("creases", [&] {
@@ -51,7 +61,7 @@ AdaptedBoundary::AdaptedBoundary(TetMesh& mesh, const BoundaryOptions& options, 
   shapes_ = context.phase("surfaces", [&] {
     return options.is_frozen
                ? operators::all_frozen(mesh)
-               : operators::shapes_of_patches(mesh, kTolerance, operators::SurfaceKeeps::kVolume);
+               : operators::shapes_of_patches(mesh, tolerance_of(mesh), operators::SurfaceKeeps::kVolume);
   });
   for (std::size_t part = 0; part < origins_.size(); ++part)
     if (std::ranges::find(options.frozen_patches, origins_[part]) != options.frozen_patches.end())

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "fixtures/curved_meshes.hpp"
 #include "lumesh/adapt/adapt.hpp"
@@ -114,6 +116,40 @@ TEST(AdaptCurved, GivesTheSameBitsForEveryThreadCount) {
     ASSERT_EQ(many.tet_count(), one.tet_count()) << threads << " threads";
     EXPECT_TRUE(std::equal(many.points().begin(), many.points().end(), one.points().begin()));
     EXPECT_TRUE(std::equal(many.tets().begin(), many.tets().end(), one.tets().begin()));
+  }
+}
+
+/// A quarter of a pipe, turned, with coordinates far from the origin in single precision.
+TetMesh pipe_in_single_precision() {
+  const TetMesh pipe = fixtures::quarter_pipe(8);
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, -0.6).normalized()).toRotationMatrix();
+  const BoundaryFaces faces = pipe.boundary_faces();
+  MeshView view = pipe.view(faces);
+  std::vector<Vec3> points;
+  for (const Vec3& p : view.points)
+    points.emplace_back((turn * p + Vec3(2, -3, 5)).cast<float>().cast<double>());
+  MeshInfo info = *view.info;
+  for (Patch& patch : info.patches)
+    if (patch.name == "z0" || patch.name == "z1") patch.kind = PatchKind::kOpening;
+  view.points = points;
+  view.info = &info;
+  return TetMesh::build(view);
+}
+
+TEST(AdaptCurved, OpeningsFromSinglePrecisionStayPlanes) {
+  TetMesh mesh = pipe_in_single_precision();
+  Context context;
+  const AdaptedBoundary boundary(mesh, {}, context);
+  EXPECT_EQ(boundary.shapes()[4].freedom, operators::PatchFreedom::kPlane);
+  adapt(mesh, MetricField::uniform(0.12), boundary.shapes(), {}, context);
+  boundary.restore_patches(mesh);
+  EXPECT_NEAR(patch_area(mesh, 4) / (0.375 * std::numbers::pi / 2), 1, 1e-2);
+  const BoundaryFaces faces = mesh.boundary_faces();
+  const Vec3 axis = Eigen::AngleAxisd(0.7, Vec3(1, 2, -0.6).normalized()) * Vec3::UnitZ();
+  for (std::size_t i = 0; i < faces.triangles.size(); ++i) {
+    if (faces.patches[i] != 4) continue;
+    for (const std::uint32_t v : faces.triangles[i])
+      EXPECT_NEAR((mesh.point(VertexId(v)) - Vec3(2, -3, 5)).dot(axis), 0, 2e-6);
   }
 }
 
