@@ -231,6 +231,7 @@ SurfaceInput read_surface(const std::filesystem::path& path, const std::string& 
   if (!unit.empty()) read.info.unit = unit;
   SurfaceInput input{as_surface(std::move(read), path, context), {}, 0};
   input.given_box_mm = bounding_box(input.mesh.points);
+  weld_points(input.mesh);
   const double given_mm =
       input.mesh.triangles.empty() ? 0 : usual_resolution_mm(input.mesh.points, input.mesh.triangles);
   input.closed = naming(path.string(), [&] { return close_open_ends(input.mesh, options, context); });

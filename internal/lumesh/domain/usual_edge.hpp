@@ -19,7 +19,8 @@ inline constexpr double kResolutionPerEdge = 0.5, kResolutionsPerDiagonal = 128;
 
 /// The mean over the edges of all triangles, of which there is one at least.
 [[nodiscard]] double mean_edge_mm(std::span<const Vec3> points_mm, std::span<const Cell<3>> triangles);
-/// The resolution of such a surface.
+/// The resolution of such a surface, from the edges of its components that are at least a tenth as long as
+/// the longest. Equal points are one.
 [[nodiscard]] double usual_resolution_mm(std::span<const Vec3> points_mm, std::span<const Cell<3>> triangles);
 
 /// "2.5 voxels".

@@ -17,6 +17,7 @@
 
 #include "fixtures/surfaces.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/surface_input.hpp"
@@ -319,6 +320,21 @@ TEST_F(SurfaceCuts, CapsDoNotCountInTheResolution) {
     for (std::size_t i = 0; i < 3; ++i) sum_mm += (soup.points[t[(i + 1) % 3]] - soup.points[t[i]]).norm();
   const double mean_mm = sum_mm / static_cast<double>(3 * soup.triangles.size());
   EXPECT_NEAR(read(soup, {}).domain({})->resolution_mm(), 0.5 * mean_mm, 1e-12);
+}
+
+// A speck has often more triangles than the vessel.
+TEST_F(SurfaceCuts, SpecksDoNotCountInTheResolution) {
+  Tube tube;
+  tube.radius = [](double /*angle*/) { return 0.5; };
+  tube.rows = 200;
+  TriangleSoup soup = soup_of(tube);
+  const Box3 box = bounding_box(soup.points);
+  const double alone_mm = read(soup, {}).domain({})->resolution_mm();
+  TriangleSoup speck = fixtures::icosphere(4, 0.02).moved(
+      [&](const Vec3& p) { return Vec3(p + box.center() + Vec3(0.45, 0.45, 0)); });
+  speck.patches.assign(speck.triangles.size(), soup.patches.empty() ? 0 : soup.patches.front());
+  soup.append(speck);
+  EXPECT_DOUBLE_EQ(read(soup, {}).domain({})->resolution_mm(), alone_mm);
 }
 
 TEST_F(SurfaceCuts, ASectionBecomesACircleOfItsArea) {
