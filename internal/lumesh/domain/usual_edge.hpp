@@ -27,9 +27,9 @@ inline constexpr double kResolutionPerEdge = 0.5, kResolutionsPerDiagonal = 128;
 [[nodiscard]] inline std::string usual_edge_text() {
   return fmt::format("{:g} voxels", kUsualEdge);
 }
-/// That of surfaces: "1.25 of its mean edges, at most 1/51 of its diagonal".
+/// That of surfaces: "1.25 of its mean edges, specks aside, at most 1/51 of its diagonal".
 [[nodiscard]] inline std::string usual_edge_of_surface_text() {
-  return fmt::format("{:g} of its mean edges, at most 1/{:.0f} of its diagonal",
+  return fmt::format("{:g} of its mean edges, specks aside, at most 1/{:.0f} of its diagonal",
                      kUsualEdge * kResolutionPerEdge, kResolutionsPerDiagonal / kUsualEdge);
 }
 
