@@ -229,7 +229,7 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
 RepairOutcome repair_file(const std::string& path, const RepairRequest& request, Context& context) {
   const MixedMesh surface =
       as_surface(context.phase("read", [&] { return read_surface_file(path, "", context); }), path, context);
-  naming(path, [&] { surfaces::refuse_far_vertices(surface.points, surface.triangles); });
+  naming(path, [&] { surfaces::require_no_far_vertices(surface.points, surface.triangles); });
   if (const std::string doubt = unit_doubt(surface); !doubt.empty()) context.warn(path + ": " + doubt);
   RepairOutcome outcome = naming(path, [&] {
     return context.phase("repair", [&] { return repair_surface(surface, request, context); });

@@ -245,7 +245,7 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
                                        const Context& context) {
   split_quadrilaterals(surface);
   weld_points(surface);
-  surfaces::refuse_far_vertices(surface.points, surface.triangles);
+  surfaces::require_no_far_vertices(surface.points, surface.triangles);
   if (options.keeps_open) return {};
   const auto patch_count = static_cast<std::int32_t>(surface.info.patches.size());
   surfaces::ClosedSurfaceMade made =

@@ -50,7 +50,7 @@ std::vector<std::uint32_t> far_vertices(std::span<const Vec3> points, std::span<
   return found;
 }
 
-void refuse_far_vertices(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
+void require_no_far_vertices(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
   const std::vector<std::uint32_t> far = far_vertices(points, triangles);
   if (far.empty()) return;
   throw Error(ErrorKind::kBadInput,

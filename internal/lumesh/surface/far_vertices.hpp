@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lumesh/core/types.hpp"
+#include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh::surfaces {
 
@@ -15,7 +15,7 @@ namespace lumesh::surfaces {
                                                       std::span<const Cell<3>> triangles);
 
 /// @throws Error{kBadInput} if there is one, with its place.
-void refuse_far_vertices(std::span<const Vec3> points, std::span<const Cell<3>> triangles);
+void require_no_far_vertices(std::span<const Vec3> points, std::span<const Cell<3>> triangles);
 
 /// A line on what to do about them.
 inline constexpr const char* kFarVertexRemedy =
