@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
@@ -102,6 +103,15 @@ void require_no_faults(const TriangleMesh& result, const std::string& consequenc
   const surfaces::Parts parts = surfaces::turn_alike(turned);
   for (const surfaces::Shell& shell : surfaces::shells_of(turned.points, turned.triangles, parts))
     if (shell.volume_mm3 == 0) throw_unrepairable("it encloses nothing", shell.place_mm);
+  std::vector<surfaces::Rim> rims = surfaces::find_rims(turned);
+  if (rims.empty()) return;
+  surfaces::turn_outwards(turned, rims);
+  const std::vector<std::uint8_t> is_opening = surfaces::rims_are_openings(turned, rims);
+  std::vector<surfaces::Rim> openings;
+  for (std::size_t r = 0; r < rims.size(); ++r)
+    if (is_opening[r] != 0) openings.push_back(std::move(rims[r]));
+  if (const std::optional<Vec3> place = surfaces::place_of_seam(openings))
+    throw_unrepairable("two pieces of the wall end at one place, too far apart to be joined", *place);
 }
 
 /// @throws Error{kNotReached} where hardly any triangle has a neighbour: a heap of triangles is no surface.

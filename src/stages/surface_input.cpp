@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "lumesh/core/counted.hpp"
@@ -23,6 +24,7 @@
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/far_vertices.hpp"
 #include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/rims.hpp"
 #include "lumesh/surface/shells.hpp"
 #include "surface_cuts.hpp"
 
@@ -103,21 +105,15 @@ void warn_of_caps_within(const MixedMesh& surface, std::span<const ClosedRim> ri
 }
 
 /// @throws Error{kBadInput} where two openings lie on each other, back to back: no vessel has them.
-void require_no_seams(std::span<const ClosedRim> rims) {
-  constexpr double kApart = 0.1, kOpposed = -0.9, kMaxRatio = 1.2;  // Of radii; cosine.
-  for (std::size_t i = 0; i < rims.size(); ++i)
-    for (std::size_t k = i + 1; k < rims.size(); ++k) {
-      const surfaces::Rim &one = rims[i].given, &other = rims[k].given;
-      const double smaller = std::min(one.radius_mm, other.radius_mm);
-      if (rims[i].is_opening && rims[k].is_opening && one.normal.dot(other.normal) < kOpposed &&
-          (one.centre_mm - other.centre_mm).norm() < kApart * smaller &&
-          std::max(one.radius_mm, other.radius_mm) < kMaxRatio * smaller)
-        throw Error(
-            ErrorKind::kBadInput,
-            fmt::format("two pieces of the wall end at one place, {}, where their vertices do not match; "
-                        "lumesh repair joins them",
-                        place_text(one.centre_mm)));
-    }
+void require_no_seams(std::span<const ClosedRim> closed) {
+  std::vector<surfaces::Rim> openings;
+  for (const ClosedRim& rim : closed)
+    if (rim.is_opening) openings.push_back(rim.given);
+  if (const std::optional<Vec3> place = surfaces::place_of_seam(openings))
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("two pieces of the wall end at one place, {}, where their vertices do not match; "
+                            "lumesh repair joins those that lie near enough to each other",
+                            place_text(*place)));
 }
 
 /// Number of the divided end that a rim was around; ends.size() if none.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <utility>
 
 #include "cones.hpp"
@@ -9,6 +10,7 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/drop_marked.hpp"
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/edge_key.hpp"
@@ -174,10 +176,26 @@ class Arrangement {
   OuterBoundary made_;
 };
 
+/// The surface with each point moved by up to 1e-11 of the diagonal, another way for each.
+TriangleMesh with_points_moved(const TriangleMesh& surface) {
+  constexpr double kShare = 1e-11;
+  TriangleMesh moved = surface;
+  const double most_mm = kShare * bounding_box(surface.points).diagonal().norm();
+  std::mt19937 random;  // NOLINT(cert-msc51-cpp,bugprone-random-generator-seed): the same every time.
+  for (Vec3& p : moved.points)
+    for (int axis = 0; axis < 3; ++axis)
+      p[axis] += most_mm * (2 * (static_cast<double>(random()) / std::mt19937::max()) - 1);
+  return moved;
+}
+
 }  // namespace
 
 std::optional<OuterBoundary> outer_boundary(const TriangleMesh& surface) {
-  return Arrangement(surface).made();
+  std::optional<OuterBoundary> made = Arrangement(surface).made();
+  if (made) return made;
+  made = Arrangement(with_points_moved(surface)).made();
+  if (made) std::ranges::copy(surface.points, made->surface.points.begin());
+  return made;
 }
 
 }  // namespace lumesh::surfaces

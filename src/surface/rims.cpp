@@ -114,6 +114,20 @@ std::vector<Rim> find_rims(const TriangleMesh& surface) {
   return rims;
 }
 
+std::optional<Vec3> place_of_seam(std::span<const Rim> openings) {
+  constexpr double kApart = 0.1, kOpposed = -0.9, kMaxRatio = 1.2;  // Of radii; cosine.
+  for (std::size_t i = 0; i < openings.size(); ++i)
+    for (std::size_t k = i + 1; k < openings.size(); ++k) {
+      const Rim &one = openings[i], &other = openings[k];
+      const double smaller = std::min(one.radius_mm, other.radius_mm);
+      if (one.normal.dot(other.normal) < kOpposed &&
+          (one.centre_mm - other.centre_mm).norm() < kApart * smaller &&
+          std::max(one.radius_mm, other.radius_mm) < kMaxRatio * smaller)
+        return one.centre_mm;
+    }
+  return std::nullopt;
+}
+
 void turn_outwards(TriangleMesh& surface, std::vector<Rim>& rims) {
   const Parts parts = turn_alike(surface);
   std::vector<double> volumes(parts.count, 0);

@@ -62,7 +62,6 @@ class Seams {
         RimVertex& at = found.try_emplace(v, RimVertex{v}).first->second;
         at.shortest_mm = std::min(at.shortest_mm, length(side));
         at.into_wall += into_wall(side);
-        at.normal += normal(side);
       }
     });
     rim_.clear();
@@ -86,13 +85,11 @@ class Seams {
     return normal(side).cross(place(side, 1) - place(side, 0)).normalized();
   }
 
-  /// Whether a wall goes on across a seam. Pieces may be turned either way.
-  [[nodiscard]] static bool goes_on(const Vec3& into_one, const Vec3& into_other, const Vec3& normal_of_one,
-                                    const Vec3& normal_of_other) {
-    constexpr double kCosine = 0.5;
-    return into_one.dot(into_other) < -kCosine * into_one.norm() * into_other.norm() &&
-           std::abs(normal_of_one.dot(normal_of_other)) >
-               kCosine * normal_of_one.norm() * normal_of_other.norm();
+  /// Whether walls lie on different sides of a seam, as those of two vessels whose ends lie side by side do
+  /// not; they may meet at an edge.
+  [[nodiscard]] static bool goes_on(const Vec3& into_one, const Vec3& into_other) {
+    constexpr double kMaxCosine = 0.5;
+    return into_one.dot(into_other) < kMaxCosine * into_one.norm() * into_other.norm();
   }
 
   /// Calls visit(number) for vertices of the rim in a box grown by the reach.
@@ -116,7 +113,7 @@ class Seams {
         const RimVertex& other = rim_[k];
         const double apart = (surface_.points[other.vertex] - p).norm();
         if (k == i || apart > least || apart > kShareOfEdges * std::min(one.shortest_mm, other.shortest_mm) ||
-            !goes_on(one.into_wall, other.into_wall, one.normal, other.normal))
+            !goes_on(one.into_wall, other.into_wall))
           return;
         least = apart;
         nearest[i] = k;
@@ -156,7 +153,7 @@ class Seams {
         if (at.vertex == corner(side, 0) || at.vertex == corner(side, 1) || share <= 0 || share >= 1 ||
             apart >= nearest[i].apart_mm || apart > reach_mm_ ||
             apart > kShareOfEdges * std::min(at.shortest_mm, length(side)) ||
-            !goes_on(at.into_wall, into_wall(side), at.normal, normal(side)))
+            !goes_on(at.into_wall, into_wall(side)))
           return;
         nearest[i] = {apart, share, e};
       });

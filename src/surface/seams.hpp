@@ -16,8 +16,8 @@ struct JoinedSeams {
 
 /// Joins vertices on the rim of a wall with those across a seam: one vertex where two are the nearest to each
 /// other, else edges across are divided there. They lie no farther apart than a distance and a quarter of the
-/// edges of the rim there, and the wall goes on in its direction from one side to the other, as it does not
-/// where the ends of two vessels lie side by side. After Attene 2010, doi:10.1007/s00371-010-0416-3.
+/// edges of the rim there, and the walls lie on different sides of the seam, as they do not where the ends of
+/// two vessels lie side by side. After Attene 2010, doi:10.1007/s00371-010-0416-3.
 /// @param surface  Points at one place are one, triangles have areas. Cost: about 1 us per edge of rims, and
 /// one sort of edges.
 JoinedSeams join_seams(TriangleMesh& surface, double max_distance_mm);

@@ -79,6 +79,7 @@ class Strays {
   /// Moves a vertex to a place, or as much of the way as does. False, with the vertex where it was, if none
   /// does.
   bool try_to_move(std::uint32_t v, const Vec3& place) {
+    if (!place.allFinite()) return false;  // A neighbour lies at the place of the vertex.
     struct Way {
       double share, most_of_asked;
     };

@@ -2,6 +2,7 @@
 /// @file Rims: where a triangle surface ends, and what ends there.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,11 @@ namespace lumesh::surfaces {
 
 /// The rim through these vertices, measured.
 [[nodiscard]] Rim measured_rim(std::span<const Vec3> points, std::vector<std::uint32_t> vertices);
+
+/// The place of an opening that lies on another one, back to back, if there is one: pieces of a wall end
+/// there that do not match, as no two vessels do. @param openings  Rims whose normals point out of the
+/// object.
+[[nodiscard]] std::optional<Vec3> place_of_seam(std::span<const Rim> openings);
 
 /// Turns the parts of a surface (turn_alike()) that enclose a negative volume, rims closed by fans.
 /// @param rims  Of the surface; turned with it.

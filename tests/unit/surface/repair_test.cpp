@@ -325,6 +325,41 @@ TEST(LocalRepair, PiecesThatDoNotMatchAtASeamAreJoined) {
   }
 }
 
+/// Each of its faces has points of its own, and other ones than the next one has on the edge between them.
+TriangleMesh box_of_faces(std::uint32_t squares, std::uint32_t squares_beside) {
+  TriangleMesh box;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double end : {0.0, 1.0}) {
+      const std::uint32_t across = axis == 2 ? squares_beside : squares;
+      const auto first = static_cast<std::uint32_t>(box.points.size());
+      const TriangleMesh sheet = square_sheet(across);
+      for (const Vec3& p : sheet.points) {
+        Vec3 at;
+        at[axis] = end;
+        at[(axis + 1) % 3] = p.x() / across;
+        at[(axis + 2) % 3] = p.y() / across;
+        box.points.push_back(at);
+      }
+      for (const auto& [a, b, c] : sheet.triangles)
+        box.triangles.push_back({a + first, (end > 0 ? b : c) + first, (end > 0 ? c : b) + first});
+    }
+  box.patches.assign(box.triangles.size(), 0);
+  return box;
+}
+
+/// An assertion of the exact predicates ended it before: vertices of the seams lie at one place.
+TEST(LocalRepair, FacesThatDoNotMatchAtTheEdgesOfABoxAreJoined) {
+  for (const std::uint32_t squares : {3U, 4U, 7U}) {
+    const TriangleMesh given = box_of_faces(squares, 5);
+    const RepairedSurface made = repair_locally(given, 0.02);
+    ASSERT_TRUE(made.ok()) << made.failure;
+    EXPECT_EQ(made.report.components, 1U);
+    EXPECT_EQ(made.report.openings, 0U);
+    EXPECT_EQ(faults_of(made.surface), "");
+    EXPECT_LT(distance_between(made.surface, given), 1e-9);
+  }
+}
+
 /// Their rims lie nearer to each other than a quarter of their edges, but the walls do not go on there.
 TEST(LocalRepair, EndsOfVesselsSideBySideAreNoSeam) {
   TriangleMesh pair = open_tube({.radius_mm = 3, .length_mm = 12, .around = 40});
