@@ -67,7 +67,7 @@ class LoopWalk {
     while (at < edges_.size() && edges_[at][0] == vertex && is_used_[at] != 0) ++at;
     return at < edges_.size() && edges_[at][0] == vertex ? at : edges_.size();
   }
-  /// What the walk has passed since it was at a place, which stays.
+  /// The part of the walk since it was at a place, which stays.
   void cut_off(std::uint32_t place) {
     std::vector<std::uint32_t> loop(path_.begin() + place, path_.end());
     for (std::size_t i = 1; i < loop.size(); ++i) place_[loop[i]] = kNotOnPath;

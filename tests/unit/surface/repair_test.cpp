@@ -360,7 +360,7 @@ TEST(LocalRepair, FacesThatDoNotMatchAtTheEdgesOfABoxAreJoined) {
   }
 }
 
-/// Their rims lie nearer to each other than a quarter of their edges, but the walls do not go on there.
+/// Rims nearer to each other than a quarter of their edges, across which no wall goes on.
 TEST(LocalRepair, EndsOfVesselsSideBySideAreNoSeam) {
   TriangleMesh pair = open_tube({.radius_mm = 3, .length_mm = 12, .around = 40});
   const TriangleMesh tube = pair;
