@@ -363,7 +363,7 @@ class RunTest(CaseTest):
         self.assertTrue((self.out / "mesh.vtu").exists())
 
     def test_a_time_limit_leaves_a_mesh_and_says_so(self):
-        result = self.run_lumesh("run", self.case, "-o", self.out, "--set", "metric.complexity=300000", "--time-limit", "4")
+        result = self.run_lumesh("run", self.case, "-o", self.out, "--set", "metric.complexity=2000000", "--time-limit", "7")
         self.assertEqual(result.returncode, TIME_LIMIT, result.stderr)
         self.assertIn("time limit", result.stderr)
         self.assertIn("report.html, without measures and pictures of the rest", result.stdout)
@@ -376,7 +376,7 @@ class RunTest(CaseTest):
         files = {path: path.read_bytes() for path in self.out.iterdir() if path.is_file()}
         self.assertTrue({"first.vtu", "centerline.vtp"} <= {path.name for path in files})
         result = self.run_lumesh("run", self.case, "-o", self.out, "--set", stages, "--set", "centerline.spacing=1.7", "--set",
-                                 "metric.complexity=900000", "--time-limit", "4")
+                                 "metric.complexity=2000000", "--time-limit", "7")
         self.assertEqual(result.returncode, TIME_LIMIT, result.stderr)
         for path, content in files.items():
             self.assertTrue(path.read_bytes() == content, path.name)
