@@ -140,8 +140,10 @@ void warn_of_planes_beyond(const LabelImage& image, std::span<const CutPlane> pl
     const std::vector<double> counts = count_kept_voxels(image, by);
     return std::accumulate(counts.begin(), counts.end(), 0.0);
   };
+  if (planes.empty()) return;
+  const double all = kept({});
   for (const CutPlane& plane : planes)
-    if (kept({&plane, 1}) == kept({})) context.warn(line_on_plane_beyond(plane));
+    if (kept({&plane, 1}) == all) context.warn(line_on_plane_beyond(plane));
 }
 
 }  // namespace

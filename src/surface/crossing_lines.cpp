@@ -279,8 +279,7 @@ CrossingLines::Key CrossingLines::key_of(const Edge& a, const Edge& b) {
 }
 
 double CrossingLines::share_along(std::uint32_t from, std::uint32_t to, std::uint32_t point) const {
-  const Vec3 way = points_[to] - points_[from];
-  return way.dot(points_[point] - points_[from]) / way.squaredNorm();
+  return share_along_segment<3>(points_[point], points_[from], points_[to]);
 }
 
 void CrossingLines::sort_along(std::vector<std::uint32_t>& points, std::uint32_t from,

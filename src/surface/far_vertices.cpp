@@ -8,20 +8,10 @@
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/core/value_of_rank.hpp"
 #include "lumesh/mesh/points_in_use.hpp"
 
 namespace lumesh::surfaces {
-namespace {
-
-/// Reorders the values.
-double quantile(std::vector<double>& values, double share) {
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + at);
-  return values[static_cast<std::size_t>(at)];
-}
-
-}  // namespace
-
 std::vector<std::uint32_t> far_vertices(std::span<const Vec3> points, std::span<const Cell<3>> triangles) {
   constexpr double kFar = 1000, kNearShare = 0.99;
   if (triangles.empty()) return {};
@@ -32,13 +22,14 @@ std::vector<std::uint32_t> far_vertices(std::span<const Vec3> points, std::span<
     values.clear();
     for (std::size_t v = 0; v < points.size(); ++v)
       if (is_used[v] != 0) values.push_back(points[v][axis]);
-    middle[axis] = quantile(values, 0.5);
+    middle[axis] = value_of_rank(values, (values.size() - 1) / 2);
   }
   const auto away_mm = [&](std::uint32_t v) { return (points[v] - middle).cwiseAbs().maxCoeff(); };
   values.clear();
   for (std::uint32_t v = 0; v < points.size(); ++v)
     if (is_used[v] != 0) values.push_back(away_mm(v));
-  const double near_mm = kFar * quantile(values, kNearShare);
+  const auto rank = static_cast<std::size_t>(kNearShare * static_cast<double>(values.size() - 1));
+  const double near_mm = kFar * value_of_rank(values, rank);
   std::vector<std::uint8_t> is_far(points.size(), 0);
   for (const Cell<3>& t : triangles) {
     const auto far = [&](std::uint32_t v) { return away_mm(v) > near_mm; };

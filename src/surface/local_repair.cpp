@@ -90,7 +90,7 @@ class LocalRepair {
   /// cuts an opening.
   bool cut_crossings() {
     join_equal_points();
-    turn_outwards_by_nesting();
+    turn_outwards_by_nesting(find_self_crossings(surface_.points, surface_.triangles));
     std::optional<OuterBoundary> cut = outer_boundary(surface_);
     if (!cut) return false;
     surface_ = std::move(cut->surface);
@@ -117,7 +117,7 @@ class LocalRepair {
     if (surface_.triangles.empty()) return failed("nothing is left of the surface", given_.points[0]);
     if (!is_sound_ && !take_crossings_out())
       return failed("it still crosses itself after ten rounds", trouble_mm_);
-    turn_outwards_by_nesting();
+    turn_outwards_by_nesting({});  // Nothing crosses any more.
     const Topology after = topology();
     if (after != topology_)
       return failed(after.components != topology_.components
@@ -509,10 +509,10 @@ class LocalRepair {
   }
 
   /// Closed parts by which lies within which; open ones by the volume that they have with lids.
-  void turn_outwards_by_nesting() {
+  void turn_outwards_by_nesting(std::span<const SelfCrossing> crossings) {
     std::vector<Rim> rims = find_rims(surface_);
     if (!rims.empty()) return turn_outwards(surface_, rims);
-    turn_by_nesting(surface_, find_self_crossings(surface_.points, surface_.triangles));
+    turn_by_nesting(surface_, crossings);
   }
 
   void measure_moves() {
@@ -556,16 +556,19 @@ RepairedSurface repair_locally(const TriangleMesh& surface, double max_distance_
     LocalRepair attempt(prepared);
     return attempt.cut_crossings() && succeeds(attempt.run(Folds::kLeave, Pieces::kTriangles));
   };
-  const bool components_cross = prepared.components_cross();  // Taking out pieces does not part them.
-  for (const Pieces pieces : {Pieces::kTriangles, Pieces::kShort}) {
-    if (pieces == Pieces::kShort && components_cross && cut()) return first;
+  const auto take_out = [&](Pieces pieces) {
     for (const Folds folds : {Folds::kTakeOut, Folds::kLeave}) {
       LocalRepair attempt(prepared);
-      if (succeeds(attempt.run(folds, pieces))) return first;
+      if (succeeds(attempt.run(folds, pieces))) return true;
       if (!attempt.has_met_folds()) break;  // Leaving them makes no difference.
     }
-  }
-  if (!components_cross) cut();
+    return false;
+  };
+  if (take_out(Pieces::kTriangles)) return first;
+  const bool components_cross = prepared.components_cross();  // Taking out pieces does not part them.
+  if (components_cross && cut()) return first;
+  if (take_out(Pieces::kShort) || components_cross) return first;
+  cut();
   return first;
 }
 

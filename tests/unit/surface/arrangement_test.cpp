@@ -24,19 +24,13 @@ namespace {
 
 using IntegerBox = std::array<Index3, 2>;  // Lowest and highest corner.
 
-void append_soup(const fixtures::TriangleSoup& soup, TriangleMesh& surface) {
-  const auto first = static_cast<std::uint32_t>(surface.points.size());
-  surface.points.insert(surface.points.end(), soup.points.begin(), soup.points.end());
-  for (const auto& [a, b, c] : soup.triangles) surface.triangles.push_back({a + first, b + first, c + first});
-  surface.patches.resize(surface.triangles.size(), 0);
-}
 TriangleMesh boxes_surface(const std::vector<IntegerBox>& boxes) {
   TriangleMesh surface;
   for (const auto& [low, high] : boxes)
-    append_soup(fixtures::unit_cube_surface().moved([&, low = low, high = high](const Vec3& p) {
+    append_surface(fixtures::unit_cube_surface().moved([&, low = low, high = high](const Vec3& p) {
       return Vec3(low.cast<double>() + p.cwiseProduct((high - low).cast<double>()));
     }),
-                surface);
+                   surface);
   return weld(surface.points, surface.triangles, surface.patches);
 }
 double enclosed_volume(const TriangleMesh& surface) {
@@ -92,9 +86,9 @@ TEST(OuterBoundary, OfTwoBallsHasTheirVolumeWithoutTheLens) {
   constexpr double kRadius = 10, kApart = 12.3;
   const fixtures::TriangleSoup ball = fixtures::icosphere(4, kRadius);
   TriangleMesh pair;
-  append_soup(ball, pair);
+  append_surface(ball, pair);
   const double one = enclosed_volume(pair);
-  append_soup(ball.moved([&](const Vec3& p) { return Vec3(p + kApart * Vec3(0.48, 0.6, 0.64)); }), pair);
+  append_surface(ball.moved([&](const Vec3& p) { return Vec3(p + kApart * Vec3(0.48, 0.6, 0.64)); }), pair);
   const auto made = outer_boundary(pair);
   ASSERT_TRUE(made);
   const double cap = kRadius - kApart / 2, lens = 2 * std::numbers::pi * cap * cap * (3 * kRadius - cap) / 3;
@@ -123,8 +117,8 @@ TEST(OuterBoundary, OfTurnedBoxesEnclosesWhatIsInAnyOfThem) {
           Eigen::AngleAxisd(3 * number(random), axis) *
           Eigen::Scaling(Vec3(1 + 0.5 * number(random), 1 + 0.5 * number(random), 1 + 0.5 * number(random))) *
           Eigen::Translation3d(-0.5, -0.5, -0.5);
-      append_soup(fixtures::unit_cube_surface().moved([&](const Vec3& p) { return Vec3(to_box * p); }),
-                  surface);
+      append_surface(fixtures::unit_cube_surface().moved([&](const Vec3& p) { return Vec3(to_box * p); }),
+                     surface);
       into_box.push_back(to_box.inverse());
     }
     const auto made = outer_boundary(surface);
@@ -150,13 +144,13 @@ TEST(OuterBoundary, OfTurnedBoxesEnclosesWhatIsInAnyOfThem) {
 TEST(OuterBoundary, OfEqualPrismsWhoseAxesMeetIsMade) {
   TriangleMesh pair;
   for (const int along : {0, 1})
-    append_soup(fixtures::unit_cube_surface().moved([&](const Vec3& p) {
+    append_surface(fixtures::unit_cube_surface().moved([&](const Vec3& p) {
       const double y = p.y() - 0.5, z = p.z() - 0.5;  // A square on its corner.
       Vec3 at(6 * p.x() - 3, y - z, y + z);
       if (along == 1) at = Vec3(-at.y(), at.x(), at.z());
       return at;
     }),
-                pair);
+                   pair);
   const auto made = outer_boundary(pair);
   ASSERT_TRUE(made);
   // Each has the section |s| + |t| <= 1 of area 2; at height h both have widths 2 (1 - |h|), in common the
@@ -167,7 +161,7 @@ TEST(OuterBoundary, OfEqualPrismsWhoseAxesMeetIsMade) {
 
 TEST(OuterBoundary, OfASoundSurfaceIsThatSurface) {
   TriangleMesh ball;
-  append_soup(fixtures::icosphere(2, 5), ball);
+  append_surface(fixtures::icosphere(2, 5), ball);
   const auto made = outer_boundary(ball);
   ASSERT_TRUE(made);
   EXPECT_EQ(made->surface.triangles, ball.triangles);
@@ -177,12 +171,9 @@ TEST(OuterBoundary, OfASoundSurfaceIsThatSurface) {
 /// Two vessels that cross: away from the lines where they do, every triangle stays to the last bit.
 TEST(LocalRepair, OpenTubesThatCrossBecomeOneAndKeepTheirOpenings) {
   const TriangleMesh tube = open_tube({.radius_mm = 2, .length_mm = 40, .around = 32});
-  TriangleMesh pair = tube;
-  const auto offset = static_cast<std::uint32_t>(pair.points.size());
-  for (const Vec3& p : tube.points)
-    pair.points.emplace_back(p.z() - 20.3, 0.8 * p.x() + 0.2, 0.8 * p.y() + 19.7);
-  for (const auto& [a, b, c] : tube.triangles) pair.triangles.push_back({a + offset, b + offset, c + offset});
-  pair.patches.assign(pair.triangles.size(), 0);
+  TriangleMesh across = tube, pair = tube;
+  for (Vec3& p : across.points) p = Vec3(p.z() - 20.3, 0.8 * p.x() + 0.2, 0.8 * p.y() + 19.7);
+  append_surface(across, pair);
   const RepairedSurface made = repair_locally(pair, 0.4);
   ASSERT_TRUE(made.ok()) << made.failure;
   EXPECT_EQ(made.report.components, 1U);

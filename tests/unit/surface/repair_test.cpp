@@ -280,13 +280,8 @@ TEST(LocalRepair, TrianglesKeepTheirPatchesAndFillingsTakeThoseAround) {
 
 TEST(LocalRepair, BallsThatCrossBecomeOneOfWhichAllLiesOnThem) {
   TriangleMesh pair = mesh_of(fixtures::icosphere(3, 10));
-  fixtures::TriangleSoup second =
-      fixtures::icosphere(3, 10).moved([](const Vec3& p) { return Vec3(p + Vec3(12, 0.1, 0)); });
-  const auto offset = static_cast<std::uint32_t>(pair.points.size());
-  pair.points.insert(pair.points.end(), second.points.begin(), second.points.end());
-  for (const auto& [a, b, c] : second.triangles)
-    pair.triangles.push_back({a + offset, b + offset, c + offset});
-  pair.patches.resize(pair.triangles.size(), 0);
+  append_surface(fixtures::icosphere(3, 10).moved([](const Vec3& p) { return Vec3(p + Vec3(12, 0.1, 0)); }),
+                 pair);
   const RepairedSurface made = repair_locally(pair, 0.01 * diagonal_of(pair));
   ASSERT_TRUE(made.ok()) << made.failure;
   EXPECT_EQ(made.report.components, 1U);
@@ -301,12 +296,9 @@ TEST(LocalRepair, BallsThatCrossBecomeOneOfWhichAllLiesOnThem) {
 /// A tube in two pieces of other tessellations, whose vertices at the seam lie on edges of the other piece.
 TriangleMesh tube_with_seam(std::uint32_t around, std::uint32_t around_above) {
   TriangleMesh tube = open_tube({.radius_mm = 3, .length_mm = 10, .around = around});
-  const TriangleMesh above = open_tube({.radius_mm = 3, .length_mm = 12, .around = around_above});
-  const auto offset = static_cast<std::uint32_t>(tube.points.size());
-  for (const Vec3& p : above.points) tube.points.emplace_back(p.x(), p.y(), p.z() + 10);
-  for (const auto& [a, b, c] : above.triangles)
-    tube.triangles.push_back({a + offset, b + offset, c + offset});
-  tube.patches.assign(tube.triangles.size(), 0);
+  TriangleMesh above = open_tube({.radius_mm = 3, .length_mm = 12, .around = around_above});
+  for (Vec3& p : above.points) p.z() += 10;
+  append_surface(above, tube);
   return tube;
 }
 
@@ -362,12 +354,9 @@ TEST(LocalRepair, FacesThatDoNotMatchAtTheEdgesOfABoxAreJoined) {
 
 /// Rims nearer to each other than a quarter of their edges, across which no wall goes on.
 TEST(LocalRepair, EndsOfVesselsSideBySideAreNoSeam) {
-  TriangleMesh pair = open_tube({.radius_mm = 3, .length_mm = 12, .around = 40});
-  const TriangleMesh tube = pair;
-  for (const Vec3& p : tube.points) pair.points.emplace_back(p.x() + 6.05, p.y(), p.z());
-  const auto offset = static_cast<std::uint32_t>(tube.points.size());
-  for (const auto& [a, b, c] : tube.triangles) pair.triangles.push_back({a + offset, b + offset, c + offset});
-  pair.patches.assign(pair.triangles.size(), 0);
+  TriangleMesh pair = open_tube({.radius_mm = 3, .length_mm = 12, .around = 40}), beside = pair;
+  for (Vec3& p : beside.points) p.x() += 6.05;
+  append_surface(beside, pair);
   const RepairedSurface made = repair_locally(pair, 0.3);
   ASSERT_TRUE(made.ok()) << made.failure;
   EXPECT_EQ(made.report.seam_vertices, 0U);
@@ -395,12 +384,7 @@ TEST(LocalRepair, CubesThatShareAFaceBecomeOne) {
 TEST(LocalRepair, WallsOfTwoSkinsStay) {
   // A hollow ball whose wall is thinner than what may move: its inner skin points inwards and is no copy.
   TriangleMesh ball = mesh_of(fixtures::icosphere(3, 10));
-  const TriangleMesh inner = mesh_of(fixtures::icosphere(3, 9.9).reversed());
-  const auto offset = static_cast<std::uint32_t>(ball.points.size());
-  ball.points.insert(ball.points.end(), inner.points.begin(), inner.points.end());
-  for (const auto& [a, b, c] : inner.triangles)
-    ball.triangles.push_back({a + offset, b + offset, c + offset});
-  ball.patches.resize(ball.triangles.size(), 0);
+  append_surface(fixtures::icosphere(3, 9.9).reversed(), ball);
   const RepairedSurface made = repair_locally(ball, 0.3);
   ASSERT_TRUE(made.ok()) << made.failure;
   EXPECT_EQ(made.report.components, 2U);

@@ -46,6 +46,15 @@ inline TriangleMesh open_tube(const TubeShape& shape) {
   return revolved(profile, shape.around);
 }
 
+/// Adds a surface beside another one, with points of its own and patch 0.
+template <class Part>
+void append_surface(const Part& part, TriangleMesh& surface) {
+  const auto first = static_cast<std::uint32_t>(surface.points.size());
+  surface.points.insert(surface.points.end(), part.points.begin(), part.points.end());
+  for (const auto& [a, b, c] : part.triangles) surface.triangles.push_back({a + first, b + first, c + first});
+  surface.patches.resize(surface.triangles.size(), 0);
+}
+
 /// Moves the last ring of a surface of revolution along z, by the number of its points.
 inline TriangleMesh with_end_moved(TriangleMesh tube, std::uint32_t around,
                                    const std::function<double(std::uint32_t)>& by_mm) {
