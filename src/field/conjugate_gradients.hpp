@@ -17,11 +17,27 @@ class ConjugateGradients {
   void minimise(double tolerance, FitState& state);
   static constexpr int kMaxIterations = 80;
 
+  /// Lets `change` alter the holds and their targets, and nothing else, between minimise() and minimise_on().
+  template <class Change>
+  void change_holds(FitState& state, const Change& change) {
+    add_gradient_of_holds(1, state);
+    change();
+    add_gradient_of_holds(-1, state);
+  }
+  /// Goes on with the preconditioner of the last minimise(), which suits where few voxels' holds have
+  /// changed.
+  void minimise_on(double tolerance, FitState& state);
+
  private:
   void set_diagonals(FitState& state);
-  double start(FitState& state);
+  /// Computes the residual.
+  void start(FitState& state);
+  /// Adds `sign` times what holds pull with to the residual.
+  void add_gradient_of_holds(float sign, const FitState& state);
+  double precondition(FitState& state);
 
-  LaneArray residual_, direction_, product_, inverse_diagonal_;
+  LaneArray residual_, direction_, product_;
+  LaneArray root_;  // Factor of the finest level's preconditioner.
   LaneArray difference_diagonal_;
 };
 

@@ -261,6 +261,12 @@ DifferenceWeights difference_weights(const Vec3& edges, double third, double sec
   return d;
 }
 
+float whole_diagonal(const DifferenceWeights& w) {
+  // Sums of squared coefficients: 20 of (-1, 3, -3, 1), 6 of (1, -2, 1), 2 of (-1, 1).
+  return 20 * (w.xxx + w.yyy + w.zzz) + 12 * (w.xxy + w.xyy + w.xxz + w.xzz + w.yyz + w.yzz) + 8 * w.xyz +
+         6 * (w.xx + w.yy + w.zz) + 4 * (w.xy + w.xz + w.yz);
+}
+
 void apply(const Energy& energy, const LaneArray& x, LaneArray& y) {
   for_each_chunk(*energy.band, [&](const Band::Block& block, ShiftedSums& sums) {
     multiply(energy, block, x.data(), sums, y.data());

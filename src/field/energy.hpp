@@ -20,6 +20,9 @@ struct DifferenceWeights {
 /// tensor, of `third` times their square; second derivatives likewise.
 [[nodiscard]] DifferenceWeights difference_weights(const Vec3& edges, double third, double second);
 
+/// The diagonal of the form of the differences where the stiffness is 1 and the band all around.
+[[nodiscard]] float whole_diagonal(const DifferenceWeights& weights);
+
 /// Rows of the faces' data. A face's place: weight times (value in the face's middle - middle)^2. Its slope:
 /// (own * difference across the face + first * sum of differences along the first of the other axes + second
 /// * … - target)^2.

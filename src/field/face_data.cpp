@@ -23,12 +23,6 @@ struct FaceNormals {
   Lanes own, first, second;
 };
 
-[[gnu::always_inline]] inline Lanes square_root(const Lanes& v) {
-  Lanes root;
-  for (int lane = 0; lane < kLanes; ++lane) root[lane] = std::sqrt(v[lane]);
-  return root;
-}
-
 template <int axis>
 [[gnu::always_inline]] inline FaceNormals face_normals(const Stencil& u,
                                                        const std::array<float, 3>& per_edge) {

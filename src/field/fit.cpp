@@ -149,9 +149,13 @@ class Fit {
     if (static_cast<double>(count) <= kMinHardShare * static_cast<double>(band.voxel_count())) return;
     HardSides sides(state_, std::move(hard));
     const double enough = kWrongShare * static_cast<double>(count);
-    for (int round = 0; round < kHardRounds; ++round) {
-      if (static_cast<double>(sides.update(state_)) <= enough && round > 0) break;
-      solver_.minimise(kLastTolerance, state_);
+    sides.update(state_);
+    solver_.minimise(kLastTolerance, state_);
+    for (int round = 1; round < kHardRounds; ++round) {
+      std::size_t wrong = 0;
+      solver_.change_holds(state_, [&] { wrong = sides.update(state_); });
+      if (static_cast<double>(wrong) <= enough) break;
+      solver_.minimise_on(kLastTolerance, state_);
     }
   }
 

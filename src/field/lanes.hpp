@@ -2,6 +2,7 @@
 // Eight voxels of a row at a time: the vector type of the compiler, which is the same on every processor.
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <vector>
@@ -32,6 +33,11 @@ using LaneMask = std::int32_t __attribute__((vector_size(32)));
 /// v where it is a number, 0 where it is NaN, as outside the band.
 [[gnu::always_inline]] inline Lanes keep_numbers(const Lanes& v) {
   return keep(v, v == v);
+}
+[[gnu::always_inline]] inline Lanes square_root(const Lanes& v) {
+  Lanes root;
+  for (int lane = 0; lane < kLanes; ++lane) root[lane] = std::sqrt(v[lane]);
+  return root;
 }
 inline constexpr LaneMask kLaneBits = {1, 2, 4, 8, 16, 32, 64, 128};
 [[gnu::always_inline]] inline LaneMask mask_of(std::uint8_t bits) {

@@ -10,9 +10,16 @@ namespace lumesh::field {
 
 namespace {
 
-/// Splines of which the band holds less of the mass than this are left out: at its rim their energy is far
-/// from in proportion to it. Without this a solve takes twice the iterations.
-constexpr float kMinShare = 0.003F;
+/// Weight of each of the six splines beside one in its energy. Where a stiff part has no more than the rim
+/// of a spline, its derivatives there are not as small as its values are, by which the energy alone would be
+/// too small by orders of magnitude: solves would take twice the iterations and more.
+constexpr float kNeighbourShare = 0.05F;
+/// Splines of a smaller share of a whole one's energy are left out. What they would correct costs next to
+/// nothing, as the lean of a line of one voxel does, and rounding would decide on it.
+constexpr float kLeastShare = 0.0002F;
+/// Weight of single voxels' terms in a spline's energy: its own values squared (0.23), and some of its
+/// neighbours'.
+constexpr float kMass = 0.4F;
 
 /// Nodes of a coarse grid whose splines reach a fine node.
 struct NodeRange {
@@ -33,6 +40,13 @@ NodeRange nodes_over(int fine) {
   const Lanes before = __builtin_shufflevector(odd_ab, odd_bc, 2, 3, 8, 9, 10, 11, 12, 13);
   const Lanes after = __builtin_shufflevector(odd_ab, odd_bc, 3, 8, 9, 10, 11, 12, 13, 14);
   return 0.75F * centre + (0.5F * (before + after) + 0.125F * (before2 + even_bc));
+}
+
+/// The sum of both neighbours along x of the nodes of a segment, given with the segments before and after.
+[[gnu::always_inline]] inline Lanes beside_along_x(const Lanes& before, const Lanes& own,
+                                                   const Lanes& after) {
+  return __builtin_shufflevector(before, own, 7, 8, 9, 10, 11, 12, 13, 14) +
+         __builtin_shufflevector(own, after, 1, 2, 3, 4, 5, 6, 7, 8);
 }
 
 [[gnu::always_inline]] inline Lanes weigh_five(const std::int32_t* segments, int stride,
@@ -106,6 +120,24 @@ LUMESH_WIDE_LOOPS double scale_block(const LaneArray& residual, const LaneArray&
     total += r * z;
   }
   return static_cast<double>(sum(total));
+}
+
+/// inverse = 1 / energies of splines, from the sums of the diagonal and of the weights of single voxels over
+/// them. @param energy  For each unit of the diagonal's. @param least  Of these; 0 where they are less.
+LUMESH_WIDE_LOOPS void invert_energy(const std::vector<std::array<std::int32_t, 6>>& beside, float energy,
+                                     float least, const LaneArray& diagonal, const LaneArray& mass, int begin,
+                                     int end, LaneArray& inverse) {
+  for (int s = begin; s < end; ++s) {
+    const auto& segments = beside[static_cast<std::size_t>(s)];
+    const auto at = [&](std::size_t n) __attribute__((always_inline)) {
+      return load(diagonal.at(segments[n]));
+    };
+    const Lanes own = load(diagonal.at(s));
+    const Lanes around = beside_along_x(at(0), own, at(1)) + ((at(2) + at(3)) + (at(4) + at(5)));
+    const Lanes seen = (own + kNeighbourShare * around) * (1 / (1 + 6 * kNeighbourShare));
+    const Lanes weight = energy * seen + kMass * load(mass.at(s)) + 1e-12F;
+    store(inverse.at(s), keep(1.0F / weight, own > Lanes{} + least));
+  }
 }
 
 LUMESH_WIDE_LOOPS void add_fine(const Transfer& t, LaneArray& fine, int begin, int end) {
@@ -192,17 +224,31 @@ void Transfer::prolong(const LaneArray& coarse) {
                          [&](int begin, int end) { TransferLoops::spread(*this, coarse, begin, end); });
 }
 
+Multilevel::Level::Level(const SegmentGrid& fine)
+    : transfer(fine),
+      residual(transfer.coarse().end()),
+      correction(transfer.coarse().end()),
+      inverse(transfer.coarse().end()),
+      beside(static_cast<std::size_t>(transfer.coarse().end())) {
+  const SegmentGrid& grid = transfer.coarse();
+  parallel::for_each_index(beside.size() - 1, [&](std::size_t i) {
+    const SegmentPlace& p = grid.place(static_cast<int>(i) + 1);
+    beside[i + 1] = {grid.find({p.x - 1, p.y, p.z}), grid.find({p.x + 1, p.y, p.z}),
+                     grid.find({p.x, p.y - 1, p.z}), grid.find({p.x, p.y + 1, p.z}),
+                     grid.find({p.x, p.y, p.z - 1}), grid.find({p.x, p.y, p.z + 1})};
+  });
+}
+
 Multilevel::Multilevel(const SegmentGrid& grid, const std::vector<std::uint8_t>& alive, int levels)
     : alive_(alive) {
   levels_.reserve(static_cast<std::size_t>(levels));
   for (int l = 0; l < levels; ++l) levels_.emplace_back(l == 0 ? grid : levels_.back().transfer.coarse());
 }
 
-void Multilevel::set_energy(const LaneArray& stiffness, const LaneArray& mass, double third, double second,
-                            const Vec3& edges) {
-  // Integrals of the squares of a cubic B-spline and of its first three derivatives; the mass of neighbours'
-  // splines.
-  constexpr double kValue = 0.4794, kSlope = 2.0 / 3, kBend = 8.0 / 3, kTwist = 20, kMass = 0.23;
+void Multilevel::set_energy(const LaneArray& diagonal, float whole, const LaneArray& mass, double third,
+                            double second, const Vec3& edges) {
+  // Integrals of the squares of a cubic B-spline and of its first three derivatives.
+  constexpr double kValue = 0.4794, kSlope = 2.0 / 3, kBend = 8.0 / 3, kTwist = 20;
   const Vec3 i = edges.cwiseProduct(edges).cwiseInverse();
   double cubes = 0, mixed = 0, squares = 0, products = 0;
   for (int a = 0; a < 3; ++a) {
@@ -221,19 +267,14 @@ void Multilevel::set_energy(const LaneArray& stiffness, const LaneArray& mass, d
     Level& level = levels_[static_cast<std::size_t>(l)];
     const Level* const finer = l == 0 ? nullptr : &levels_[static_cast<std::size_t>(l - 1)];
     level.transfer.restrict_to_coarse(finer == nullptr ? mass : finer->residual, level.residual);
-    level.transfer.restrict_to_coarse(finer == nullptr ? stiffness : finer->correction, level.correction);
+    level.transfer.restrict_to_coarse(finer == nullptr ? diagonal : finer->correction, level.correction);
     const double spacing = std::exp2(l + 1);
-    // A whole spline sums up to spacing^3.
+    const double whole_spline = static_cast<double>(whole) * std::pow(spacing, 3);  // What it sums up to.
     const auto energy =
-        static_cast<float>((of_third / std::pow(spacing, 3) + of_second / spacing) / std::pow(spacing, 3));
+        static_cast<float>((of_third / std::pow(spacing, 3) + of_second / spacing) / whole_spline);
+    const float least = kLeastShare * static_cast<float>(whole_spline);
     for_each_segment_block(level.transfer.coarse().end(), [&](int begin, int end) {
-      for (int s = begin; s < end; ++s) {
-        const Lanes share = load(level.correction.at(s));
-        const Lanes weight = energy * share + static_cast<float>(kMass) * load(level.residual.at(s));
-        store(level.inverse.at(s),
-              keep(1.0F / (weight + 1e-12F),
-                   share > Lanes{} + kMinShare * static_cast<float>(std::pow(spacing, 3))));
-      }
+      invert_energy(level.beside, energy, least, level.correction, level.residual, begin, end, level.inverse);
     });
   }
 }

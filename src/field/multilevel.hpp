@@ -50,11 +50,12 @@ class Multilevel {
   /// Refers to the lanes that are alive.
   Multilevel(const SegmentGrid& grid, const std::vector<std::uint8_t>& alive, int levels);
 
-  /// Takes the diagonals of the levels from the stiffness and the weights of single voxels (`mass`), both 0
-  /// outside the band.
+  /// Takes the diagonals of the levels from that of the differences and the weights of single voxels
+  /// (`mass`), both 0 outside the band.
+  /// @param whole  What `diagonal` is where the stiffness is 1 and the band all around.
   /// @param third, second  Weights of third and second derivatives.
   /// @param edges  Of a voxel.
-  void set_energy(const LaneArray& stiffness, const LaneArray& mass, double third, double second,
+  void set_energy(const LaneArray& diagonal, float whole, const LaneArray& mass, double third, double second,
                   const Vec3& edges);
   /// Starts z = M r: afterwards correction() gives the coarse levels' part. Returns r . z of that part.
   double precondition(const LaneArray& residual);
@@ -67,13 +68,11 @@ class Multilevel {
 
  private:
   struct Level {
-    explicit Level(const SegmentGrid& fine)
-        : transfer(fine),
-          residual(transfer.coarse().end()),
-          correction(transfer.coarse().end()),
-          inverse(transfer.coarse().end()) {}
+    explicit Level(const SegmentGrid& fine);
     Transfer transfer;
     LaneArray residual, correction, inverse;
+    /// By segment: those beside it, before and after along x, y and z.
+    std::vector<std::array<std::int32_t, 6>> beside;
   };
   void smooth(const LaneArray& values, int levels, LaneArray& out);
 
