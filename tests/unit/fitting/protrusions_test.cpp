@@ -128,8 +128,8 @@ TEST(ProtrusionGrower, ThinPlatesAndRodsAreReached) {
     test::expect_label_volumes(image, mesh, 0.02);
     // What sticks out by less than a voxel's width, as rims of plates, the domain rounds; single places deep
     // in the creases between plates and rods are not reached.
-    EXPECT_LT(test::worst_distance_from_domain_mm(image, ImageDomain(image, {}), mesh), 1);
-    EXPECT_LT(worst_outlier_mm(image, mesh), 1);
+    EXPECT_LT(test::worst_distance_from_domain_mm(image, ImageDomain(image, {}), mesh), 0.6);
+    EXPECT_LT(worst_outlier_mm(image, mesh), 1.2);
     const MixedMesh exact = test::meshed(image, {}, kExact);
     test::expect_good(exact);
     EXPECT_LT(test::worst_distance_mm(image, exact), 1.25);

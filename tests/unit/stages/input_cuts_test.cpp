@@ -226,7 +226,7 @@ TEST(InputCuts, EndsOfEveryPieceAreClipped) {
 TEST(InputCuts, AnObliqueEndIsCutBehindItsOpening) {
   constexpr double kRadius = 5, kLean = 65 * std::numbers::pi / 180;
   const Vec3 middle(70.3, 9.6, 19.2), along(std::sin(kLean), 0, std::cos(kLean));
-  const auto section_is_square = [&](const std::string& length) {
+  const auto section_is_square = [&](const std::string& length, double error) {
     std::vector<std::string> warnings;
     Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
     LabelImage image = fixtures::voxels_of(fixtures::frame_of({140, 20, 40}), {0, 1}, [&](const Vec3& p) {
@@ -237,16 +237,16 @@ TEST(InputCuts, AnObliqueEndIsCutBehindItsOpening) {
     EXPECT_EQ(planes.size(), 2U) << length;
     for (const Opening& opening : find_openings(ImageDomain(image, {{}, planes}))) {
       EXPECT_GT(std::abs(opening.normal.dot(along)), 0.999) << length << opening.name;
-      EXPECT_NEAR(opening.area_mm2 / (std::numbers::pi * kRadius * kRadius), 1, 0.02)
+      EXPECT_NEAR(opening.area_mm2 / (std::numbers::pi * kRadius * kRadius), 1, error)
           << length << opening.name;
     }
     return warnings;
   };
-  const std::vector<std::string> warnings = section_is_square("1r");
+  const std::vector<std::string> warnings = section_is_square("1r", 0.03);  // It begins at the border.
   ASSERT_EQ(warnings.size(), 2U);
   for (const std::string& warning : warnings)
     EXPECT_NE(warning.find("the vessel is cut off obliquely there"), std::string::npos) << warning;
-  EXPECT_TRUE(section_is_square("4r").empty());
+  EXPECT_TRUE(section_is_square("4r", 0.015).empty());
 }
 
 TEST(InputCuts, AnEndThatTwoVesselsShareStaysAndIsTold) {
