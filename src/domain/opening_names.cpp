@@ -1,5 +1,6 @@
 #include "opening_names.hpp"
 
+#include <map>
 #include <set>
 
 #include "lumesh/core/squares.hpp"
@@ -8,25 +9,35 @@
 namespace lumesh {
 namespace {
 
-/// Area of other labels' openings in the holes of one.
-double surrounded_mm2(const Opening& ring, std::span<const Opening> all) {
-  const OpeningSquares& own = *ring.squares;
-  const PiecesAround around(own);
+/// Whether squares of one opening are within a voxel of the other's.
+bool lies_beside(const Opening& own, const Opening& other) {
+  if (own.box_mm.exteriorDistance(other.box_mm) > 2 * own.voxel_mm) return false;
+  const OpeningSquares& part = *other.squares;
+  const Vec3 u = own.normal.unitOrthogonal(), v = own.normal.cross(u);
+  for (int row = 0; row < part.rows; ++row)
+    for (int column = 0; column < part.columns; ++column) {
+      if (!part.hold(column, row)) continue;
+      const Vec3 x = part.centre_of(column, row);
+      for (const Vec3& step : {u, v})
+        if (own.squares->hold(x + own.voxel_mm * step) || own.squares->hold(x - own.voxel_mm * step))
+          return true;
+    }
+  return false;
+}
+
+/// Area of an opening in the holes of another one.
+double area_in_holes_mm2(const OpeningSquares& own, const PiecesAround& around, const OpeningSquares& part) {
   double area_mm2 = 0;
-  for (const Opening& other : all) {
-    if (other.label == ring.label || !other.squares) continue;
-    const OpeningSquares& part = *other.squares;
-    for (int row = 0; row < part.rows; ++row)
-      for (int column = 0; column < part.columns; ++column) {
-        if (part.is_inside[part.square(column, row)] == 0) continue;
-        const auto square = own.square_at(part.centre_of(column, row));
-        if (!square) continue;
-        const std::size_t columns = static_cast<std::size_t>(own.columns);
-        const std::uint32_t piece =
-            around.at(static_cast<int>(*square % columns), static_cast<int>(*square / columns));
-        area_mm2 += piece > PiecesAround::kOutside ? part.step_mm * part.step_mm : 0;
-      }
-  }
+  for (int row = 0; row < part.rows; ++row)
+    for (int column = 0; column < part.columns; ++column) {
+      if (part.is_inside[part.square(column, row)] == 0) continue;
+      const auto square = own.square_at(part.centre_of(column, row));
+      if (!square) continue;
+      const std::size_t columns = static_cast<std::size_t>(own.columns);
+      const std::uint32_t piece =
+          around.at(static_cast<int>(*square % columns), static_cast<int>(*square / columns));
+      area_mm2 += piece > PiecesAround::kOutside ? part.step_mm * part.step_mm : 0;
+    }
   return area_mm2;
 }
 
@@ -60,10 +71,44 @@ PiecesAround::PiecesAround(const OpeningSquares& opening)
             return opening.hold(column - 1, row - 1) ? 0 : 1;
           })) {}
 
-void mark_rims(std::span<Opening> openings) {
-  if (openings.size() < 2) return;
-  for (Opening& o : openings)
-    o.is_rim = o.squares != nullptr && surrounded_mm2(o, openings) > kMinSurrounded * o.area_mm2;
+std::vector<OpeningNeighbours> neighbours_in_plane(std::span<const Opening> openings) {
+  std::vector<OpeningNeighbours> all(openings.size());
+  for (std::size_t i = 0; openings.size() > 1 && i < openings.size(); ++i) {
+    const Opening& own = openings[i];
+    if (!own.squares) continue;
+    const PiecesAround around(*own.squares);
+    for (const Opening& other : openings) {
+      if (other.label == own.label || !other.squares) continue;
+      const double area_mm2 = area_in_holes_mm2(*own.squares, around, *other.squares);
+      all[i].surrounded_mm2 += area_mm2;
+      if (area_mm2 > 0) all[i].surrounded.insert(other.label);
+      if (lies_beside(own, other)) all[i].beside.insert(other.label);
+    }
+  }
+  return all;
+}
+
+void mark_rims(std::span<const OpeningNeighbours> neighbours, std::span<Opening> openings) {
+  struct Rings {
+    double area_mm2 = 0, surrounded_mm2 = 0;
+    std::set<Label> surrounded = {};
+    [[nodiscard]] bool are_of_wall() const { return surrounded_mm2 > kMinSurrounded * area_mm2; }
+  };
+  std::map<Label, Rings> of_labels;
+  for (std::size_t i = 0; i < openings.size(); ++i) {
+    if (!(neighbours[i].surrounded_mm2 > 0)) continue;
+    Rings& rings = of_labels[openings[i].label];
+    rings.area_mm2 += openings[i].area_mm2;
+    rings.surrounded_mm2 += neighbours[i].surrounded_mm2;
+    rings.surrounded.insert(neighbours[i].surrounded.begin(), neighbours[i].surrounded.end());
+  }
+  for (std::size_t i = 0; i < openings.size(); ++i) {
+    const Rings& rings = of_labels[openings[i].label];
+    openings[i].is_rim = rings.are_of_wall() && (neighbours[i].surrounded_mm2 > 0 ||
+                                                 std::ranges::any_of(neighbours[i].beside, [&](Label label) {
+                                                   return rings.surrounded.contains(label);
+                                                 }));
+  }
 }
 
 void name_openings(const PatchNaming& naming, std::span<Opening> openings) {

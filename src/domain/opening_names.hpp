@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -30,8 +31,20 @@ struct PiecesAround {
   std::vector<std::uint32_t> numbers;  // 0 for squares of the opening.
 };
 
-/// Sets is_rim of the openings of one cut plane.
-void mark_rims(std::span<Opening> openings);
+/// Other openings around one in its plane.
+struct OpeningNeighbours {
+  double surrounded_mm2 = 0;   ///< Area of other labels' openings in its holes.
+  std::set<Label> surrounded;  ///< Their labels.
+  std::set<Label> beside;      ///< Labels of openings within a voxel.
+};
+
+/// For each opening of one cut plane.
+[[nodiscard]] std::vector<OpeningNeighbours> neighbours_in_plane(std::span<const Opening> openings);
+
+/// Sets is_rim of all openings of a domain. A label is a wall's if its openings that surround others are thin
+/// rings by their areas together; rims are those, and its openings beside a label that it surrounds: thin
+/// walls of voxels have gaps.
+void mark_rims(std::span<const OpeningNeighbours> neighbours, std::span<Opening> openings);
 
 [[nodiscard]] inline bool has_label(std::span<const Opening> openings, Label label) {
   return std::ranges::any_of(openings, [&](const Opening& o) { return o.label == label; });

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "lumesh/core/squares.hpp"
@@ -128,21 +129,32 @@ class PlaneOpenings {
   [[nodiscard]] std::vector<Opening> find() const {
     constexpr double kCoarse = 0.4;  // Voxels.
     const PlaneGrid coarse = whole_plane(kCoarse * domain_.finest_resolution_mm());
-    std::map<std::uint32_t, std::vector<std::size_t>> squares;
     const std::vector<std::uint32_t> part = coarse.parts();
-    for (std::size_t s = 0; s < part.size(); ++s)
-      if (part[s] != 0) squares[part[s]].push_back(s);
-    std::vector<Opening> openings;
-    for (const auto& [number, of_part] : squares) {
-      const Vec3 place = coarse.centre_of(of_part.front());
-      const Label label = domain_.label_of(coarse.material(of_part.front()));
-      const bool is_known = std::ranges::any_of(
-          openings, [&](const Opening& o) { return o.label == label && o.squares->hold(place); });
-      if (is_known) continue;  // On the fine grid the two were one.
-      const Opening found = measure(coarse, of_part);
-      if (found.area_mm2 >= kMinArea * voxel_face_mm2(domain_, plane_.normal)) openings.push_back(found);
+    std::vector<std::vector<std::size_t>> squares;
+    for (std::size_t s = 0; s < part.size(); ++s) {
+      if (part[s] == 0) continue;
+      squares.resize(std::max(squares.size(), std::size_t{part[s]}));
+      squares[part[s] - 1].push_back(s);
     }
-    mark_rims(openings);
+    std::vector<std::size_t> order(squares.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    // The largest first: fine grids end a voxel around their parts.
+    std::ranges::stable_sort(
+        order, [&](std::size_t a, std::size_t b) { return squares[a].size() > squares[b].size(); });
+    std::map<std::size_t, Opening> by_part;
+    for (const std::size_t p : order) {
+      const Vec3 place = coarse.centre_of(squares[p].front());
+      const Label label = domain_.label_of(coarse.material(squares[p].front()));
+      const bool is_known = std::ranges::any_of(by_part, [&](const auto& known) {
+        return known.second.label == label && known.second.squares->hold(place);
+      });
+      if (is_known) continue;  // On the fine grid the two were one.
+      Opening found = measure(coarse, squares[p]);
+      if (found.area_mm2 >= kMinArea * voxel_face_mm2(domain_, plane_.normal))
+        by_part.emplace(p, std::move(found));
+    }
+    std::vector<Opening> openings;
+    for (auto& [number, opening] : by_part) openings.push_back(std::move(opening));
     name_as_planned(openings);
     return openings;
   }
@@ -264,10 +276,13 @@ std::vector<Opening> openings_of(std::span<const FlatEnd> ends, double resolutio
 std::vector<Opening> find_openings(const Domain& domain) {
   std::vector<Opening> all = openings_of(domain.flat_ends(), domain.resolution_mm());
   if (!all.empty()) return all;
+  std::vector<OpeningNeighbours> neighbours;
   for (std::size_t cut = 0; cut < domain.cut_planes().size(); ++cut) {
     const std::vector<Opening> more = PlaneOpenings(domain, cut).find();
     all.insert(all.end(), more.begin(), more.end());
+    for (OpeningNeighbours& of_one : neighbours_in_plane(more)) neighbours.push_back(std::move(of_one));
   }
+  mark_rims(neighbours, all);
   std::ranges::stable_sort(all, [](const Opening& a, const Opening& b) { return a.area_mm2 > b.area_mm2; });
   name_openings(PatchNaming(domain.label_names()), all);
   return all;

@@ -38,6 +38,7 @@ class FaceScan {
     const LabelIndex* const at = voxels_ + row * size_.x();
     const LabelIndex* const next_y = y + 1 < size_.y() ? at + size_.x() : at;
     const LabelIndex* const next_z = z + 1 < size_.z() ? at + plane : at;
+    if (!changes(at, next_y, next_z, 0, size_.x())) return;  // Most rows of most images.
     for (std::size_t begin = 0; begin < size_.x(); begin += kRun) {
       const std::size_t count = std::min(kRun, size_.x() - begin);
       const bool last = begin + count == size_.x();

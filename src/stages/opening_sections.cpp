@@ -18,6 +18,7 @@
 #include "lumesh/core/squares.hpp"
 #include "section_changes.hpp"
 #include "section_waists.hpp"
+#include "side_cuts.hpp"
 
 namespace lumesh {
 namespace {
@@ -162,6 +163,21 @@ bool is_hollow_of_background(const Opening& opening, std::span<const Opening> op
   return all.is_hollow();
 }
 
+/// A line on an opening that is no end of a vessel.
+std::string doubt_of_side(const Opening& opening, const SideCut& cut) {
+  return fmt::format(
+      "{} at {}: what lies behind it {} within {:.3g} mm, so that the border of the image cuts {}, not the "
+      "end of a vessel; cut vessels where they are whole with {} or {}, or take an image that holds all of "
+      "it",
+      opening.name, place_text(opening.centre_mm),
+      cut.grows() ? fmt::format("grows by {:.0f} %", 100 * (cut.share - 1))
+                  : fmt::format("shrinks to {:.0f} %", 100 * cut.share),
+      cut.depth_mm,
+      cut.grows() ? "the side of a bend or a sac, or a mouth"
+                  : "a vessel along its length, or beside a throat",
+      option_name("cut_at"), option_name("clip_ends"));
+}
+
 std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<const Opening> openings) {
   if (voxels.sections > 1)
     return fmt::format(
@@ -286,11 +302,15 @@ std::vector<BorderSection> border_sections(const LabelImage& image, std::span<co
 std::vector<std::string> doubts_about_sections(const LabelImage& image, std::span<const CutPlane> cuts,
                                                std::span<const Opening> openings) {
   std::vector<Voxels> of_openings(openings.size());
+  std::vector<std::string> sides(openings.size());
   std::vector<std::string> doubts;
   for (const BorderSection& section : border_sections(image, cuts)) {
     const std::optional<std::size_t> opening = opening_of(section, openings);
     if (opening) {
       of_openings[*opening].add(section);
+      if (!openings[*opening].is_rim && section.is_wide())
+        if (const std::optional<SideCut> cut = find_side_cut(image, section))
+          sides[*opening] = doubt_of_side(openings[*opening], *cut);
     } else if (section.is_wide()) {
       doubts.push_back(fmt::format("the section of {} voxel faces of label {} at {} is in no opening",
                                    section.centres_mm.size(), section.label,
@@ -301,6 +321,7 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   for (std::size_t i = 0; i < openings.size(); ++i) {
     if (of_openings[i].area_mm2 == 0) continue;
     std::string doubt = doubt_of(openings[i], of_openings[i], openings);
+    if (!sides[i].empty()) doubt = std::move(sides[i]);  // Says more than that its area is uncertain.
     if (doubt.empty()) continue;
     if (of_openings[i].is_tiny())
       tiny.push_back(&openings[i]);

@@ -110,6 +110,42 @@ TEST(FindOpenings, WhatLiesInALumenMakesNoRimOfIt) {
   for (const Opening& o : find_openings(ImageDomain(tube_with(2.2), {}))) EXPECT_FALSE(o.is_rim) << o.name;
 }
 
+std::size_t count_rims(const LabelImage& image) {
+  const std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+  return static_cast<std::size_t>(std::ranges::count_if(openings, &Opening::is_rim));
+}
+
+TEST(FindOpenings, AThrombusIsAWallAtBothEndsOrAtNone) {
+  // Its ring is three times the lumen's section at one end, and five times at the other; open at one side.
+  const auto thrombus = [](double shift) {
+    return fixtures::voxels_of(fixtures::frame_of({40, 40, 50}), {0, 1, 2}, [=](const Vec3& p) {
+      const double lumen = 6 - 0.02 * p.z(), off = std::hypot(p.x() - 19.6 - shift * p.z(), p.y() - 19.3);
+      return off < lumen ? 1 : std::hypot(p.x() - 19.6, p.y() - 19.3) < 12.2 ? 2 : 0;
+    });
+  };
+  EXPECT_EQ(count_rims(thrombus(0)), 2U);
+  EXPECT_EQ(count_rims(thrombus(0.16)), 2U) << "the ring is open at one end";
+}
+
+TEST(FindOpenings, AVoxelBesideAnOpeningIsNotTakenForIt) {
+  // A crescent, of which the last voxel of a tip touches the rest over an edge.
+  LabelImage image = fixtures::voxels_of(fixtures::frame_of({40, 40, 20}), {0, 1, 2}, [](const Vec3& p) {
+    const bool in_tube = std::hypot(p.x() - 20, p.y() - 20) < 12;
+    return !in_tube ? 0 : std::hypot(p.x() - 16, p.y() - 20) < 9.4 ? 1 : 2;
+  });
+  for (int z = 0; z < 20; ++z)
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 40; ++x)
+        if (image.at({x, y, z}) == 2 && x < 13 && y > 20) image.at({x, y, z}) = (x + y) % 2 == 0 ? 2 : 1;
+  std::size_t faces = 0;
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x) faces += image.at({x, y, 0}) == 2 ? 1U : 0U;
+  double largest_mm2 = 0;
+  for (const Opening& o : find_openings(ImageDomain(image, {})))
+    if (o.label == 2) largest_mm2 = std::max(largest_mm2, o.area_mm2);
+  EXPECT_GT(largest_mm2, 0.8 * static_cast<double>(faces));
+}
+
 TEST(FindOpenings, GivesTheSameBitsForEveryNumberOfThreads) {
   const LabelImage image = several();
   const auto found = [&](int threads) {

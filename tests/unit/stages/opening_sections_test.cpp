@@ -50,6 +50,56 @@ TEST(OpeningSections, OneAlongTheWallIsTold) {
   })) << (doubts.empty() ? "nothing" : doubts.front());
 }
 
+bool is_told(const LabelImage& image, const std::string& words) {
+  const std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+  return std::ranges::any_of(doubts_about_sections(image, {}, openings), [&](const std::string& doubt) {
+    return doubt.find(words) != std::string::npos;
+  });
+}
+
+TEST(OpeningSections, VesselsThatTheBorderCutsAlongTheirLengthAreTold) {
+  for (const double axis : {-2.0, -0.3, 1.2, 3.0, 5.0}) {
+    const LabelImage image = fixtures::voxels_of(
+        fixtures::frame_of({30, 60, 40}), {0, 1},
+        [=](const Vec3& p) { return std::hypot(p.x() - axis, p.z() - 19.3 - 0.05 * p.y()) < 7 ? 1 : 0; });
+    EXPECT_TRUE(is_told(image, "inlet_1 at (-0.5, 29")) << axis;
+    EXPECT_TRUE(is_told(image, "a vessel along its length")) << axis;
+    EXPECT_FALSE(is_told(image, "outlet_1 at")) << axis << ": its ends are ends";
+  }
+}
+
+TEST(OpeningSections, SidesOfBendsAndSacsInTheBorderAreTold) {
+  // A half ring whose top leaves the image, and a ball on a tube.
+  const LabelImage bend = fixtures::voxels_of(fixtures::frame_of({70, 40, 45}), {0, 1}, [](const Vec3& p) {
+    const Vec3 off = p - Vec3(34.2, 19.7, 44);
+    return std::hypot(std::hypot(off.x(), off.z()) - 45 + 3.4, off.y()) < 6 ? 1 : 0;
+  });
+  EXPECT_TRUE(is_told(bend, "the side of a bend or a sac"));
+  const LabelImage sac = fixtures::voxels_of(fixtures::frame_of({60, 40, 40}), {0, 1}, [](const Vec3& p) {
+    return std::hypot(p.y() - 19.7, p.z() - 14.2) < 5 || (p - Vec3(30.2, 19.7, 30)).norm() < 12 ? 1 : 0;
+  });
+  EXPECT_TRUE(is_told(sac, "the side of a bend or a sac"));
+}
+
+TEST(OpeningSections, ForksTapersAndObliqueEndsAtTheBorderAreNoSides) {
+  const LabelImage taper = fixtures::voxels_of(fixtures::frame_of({60, 40, 40}), {0, 1}, [](const Vec3& p) {
+    return std::hypot(p.y() - 19.7, p.z() - 18.2) < 4 + 0.1 * p.x() ? 1 : 0;
+  });
+  const Vec3 axis = Vec3(0.97, 0, 0.25).normalized();
+  const LabelImage oblique =
+      fixtures::voxels_of(fixtures::frame_of({120, 30, 40}), {0, 1}, [&](const Vec3& p) {
+        const Vec3 off = p - Vec3(60.2, 14.7, 19.6);
+        return (off - off.dot(axis) * axis).norm() < 5 ? 1 : 0;
+      });
+  // Two branches, separate in the last layer, that join two voxels further in.
+  const LabelImage fork = fixtures::voxels_of(fixtures::frame_of({50, 40, 40}), {0, 1}, [](const Vec3& p) {
+    const double apart = std::max(0.0, p.x() - 8) * 0.17;
+    return std::hypot(std::abs(p.y() - 19.7) - apart, p.z() - 18.2) < 6 ? 1 : 0;
+  });
+  for (const LabelImage* image : {&taper, &oblique, &fork})
+    EXPECT_FALSE(is_told(*image, "what lies behind it"));
+}
+
 /// A cut leaves some voxels behind its plane, for the boundary to go on there.
 TEST(OpeningSections, WhatWasCutOffIsNotDoubted) {
   const LabelImage image = two_tubes(5.2, 0.4);

@@ -1,0 +1,25 @@
+#pragma once
+// Sections at the image's border that are no ends of vessels: what the border cuts along its side.
+
+#include <optional>
+
+#include "lumesh/stages/opening_sections.hpp"
+
+namespace lumesh {
+
+/// How the object goes on behind a section.
+struct SideCut {
+  double depth_mm = 0;  ///< Up to which it was followed.
+  double share = 0;     ///< Its area there over that of the section.
+
+  [[nodiscard]] bool grows() const { return share > 1; }
+};
+
+/// Follows the object, all labels alike, from a section into the image, parallel to the border. A vessel
+/// keeps its section over a radius (of the circle of the same area), whatever the angle it leaves at; a
+/// vessel that the border cuts along its length ends within that, and what is cut off the side of a bend or a
+/// sac, or a vessel where it joins a wider one, grows within a third of it. None where neither is so, or
+/// where voxels are too few to tell.
+[[nodiscard]] std::optional<SideCut> find_side_cut(const LabelImage& image, const BorderSection& section);
+
+}  // namespace lumesh
