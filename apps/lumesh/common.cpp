@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/output_checks.hpp"
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"

@@ -16,6 +16,7 @@
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/report/command_notes.hpp"
 #include "lumesh/stages/input.hpp"

@@ -5,9 +5,9 @@
 #include "commands.hpp"
 #include "common.hpp"
 #include "lumesh/io/file_formats.hpp"
-#include "lumesh/pipeline/case.hpp"
+#include "lumesh/mesh/merge.hpp"
+#include "lumesh/pipeline/pipeline.hpp"
 #include "lumesh/stages/conversion.hpp"
-#include "lumesh/stages/merge_stage.hpp"
 #include "lumesh/stages/repair_stage.hpp"
 #include "option_adapter.hpp"
 

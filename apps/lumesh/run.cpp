@@ -44,7 +44,7 @@ void run(const RunCommand& command, const Case& c, const std::string& json_path)
   const LongRun long_run(options);
   const CaseResult result = run_case(c, session.context);
   say(command.run, "{}", result.text());
-  write_json(json_path, report::case_report_json(result.report));
+  write_json(json_path, result.json());
   result.require_good(long_run.reason(result.complete));
   long_run.check_complete(result.complete, result.folder);
 }

@@ -22,6 +22,7 @@
 #include "../src/operators/neighbourhoods.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/cube_keys.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 #include "lumesh/operators/locks.hpp"

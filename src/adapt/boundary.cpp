@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/operators/creases.hpp"
 #include "lumesh/operators/settling.hpp"

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh::centerline {

@@ -6,7 +6,7 @@
 #include "lumen.hpp"
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/context.hpp"
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 
 namespace lumesh::centerline {
 

@@ -8,6 +8,7 @@
 #include "conflicts.hpp"
 #include "cut_off.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/relaxed.hpp"
 

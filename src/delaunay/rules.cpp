@@ -8,6 +8,7 @@
 #include "lumesh/core/angles.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/geometry/perturbed_insphere.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "places.hpp"
 

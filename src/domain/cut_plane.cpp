@@ -1,8 +1,8 @@
-#include "lumesh/domain/cut_plane.hpp"
-
 #include <algorithm>
 
 #include "lumesh/domain/carried_section.hpp"
+#include "lumesh/domain/domain.hpp"
+#include "lumesh/domain/image_domain.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/parallel/sum.hpp"
 

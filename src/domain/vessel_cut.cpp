@@ -12,7 +12,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/core/place_text.hpp"
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/image/label_image.hpp"
 

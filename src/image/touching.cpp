@@ -28,7 +28,6 @@ constexpr float kThicker = 2;
 struct ContactElement {
   std::uint32_t voxel = 0, other = 0;  ///< The same for a voxel between.
   std::uint32_t first = 0, second = 0;
-  float half_width = 0;
   bool is_neck = false;  ///< Its chunks meet at a neck, and not only chunks around them.
 
   [[nodiscard]] bool is_face() const { return voxel != other; }
@@ -121,7 +120,7 @@ void add_voxels_between(const VesselChunks& chunks, std::vector<ContactElement>&
       });
       return second != kNoChunk;
     });
-    if (first != kNoChunk) elements.push_back({v, v, first, second, 0, false});
+    if (first != kNoChunk) elements.push_back({v, v, first, second, false});
   }
 }
 
@@ -130,8 +129,8 @@ std::vector<ContactElement> contacts_of(const VesselChunks& chunks, const std::s
   std::vector<ContactElement> elements;
   for (const ChunkFace& face : chunks.faces())
     if (pairs.contains({face.first, face.second}))
-      elements.push_back({face.voxel, face.other, face.first, face.second, face.half_width,
-                          chunks.is_neck(face.first, face.second)});
+      elements.push_back(
+          {face.voxel, face.other, face.first, face.second, chunks.is_neck(face.first, face.second)});
   add_voxels_between(chunks, elements);
   return elements;
 }
@@ -162,16 +161,12 @@ std::vector<std::vector<std::size_t>> grouped(const VesselChunks& chunks,
 ThinPlace place_of_group(const VesselChunks& chunks, const std::vector<ContactElement>& elements,
                          const std::vector<std::size_t>& group) {
   ThinPlace place{ThinPlace::Kind::kNear};
-  float widest = 0;
-  for (const std::size_t e : group) {
+  for (const std::size_t e : group)
     if (elements[e].is_face()) {
       place.kind = ThinPlace::Kind::kTouching;
       ++place.size;
     }
-    widest = std::max(widest, elements[e].half_width);
-  }
   if (place.size == 0) place.size = group.size();
-  place.thickness_voxels = widest > 0 ? 2 * static_cast<double>(widest) - 1 : 0;
   // In the middle of the necks: faces of other chunks of the two vessels may lie within one of them.
   const auto rank = [&](std::size_t e) {
     return (elements[e].is_face() ? 1 : 0) + (elements[e].is_neck ? 1 : 0);
@@ -202,8 +197,8 @@ std::vector<ThinPlace> bridges_of(const VesselChunks& chunks, const std::set<Pai
     const float width = chunks.saddle(middle.first, middle.second);
     if (width <= kThinHalfWidth && is_thicker(middle.first, width) && is_thicker(middle.second, width) &&
         chunks.is_neck(middle.first, middle.second) && !touching.contains({middle.first, middle.second}))
-      places.push_back({ThinPlace::Kind::kBridge, chunks.low() + chunks.place_of(middle.voxel), faces.size(),
-                        2 * static_cast<double>(width) - 1});
+      places.push_back(
+          {ThinPlace::Kind::kBridge, chunks.low() + chunks.place_of(middle.voxel), faces.size()});
   });
   const auto is_thin = [&](std::uint32_t c) { return chunks.chunks()[c].half_width <= kThinHalfWidth; };
   DisjointSets strands(chunks.chunks().size());
@@ -223,8 +218,7 @@ std::vector<ThinPlace> bridges_of(const VesselChunks& chunks, const std::set<Pai
   };
   for (const auto& [strand, thick] : thick_beside) {
     if (joins_any(thick))
-      places.push_back({ThinPlace::Kind::kBridge, chunks.low() + chunks.chunks()[strand].seed, 1,
-                        2 * static_cast<double>(chunks.chunks()[strand].half_width) - 1});
+      places.push_back({ThinPlace::Kind::kBridge, chunks.low() + chunks.chunks()[strand].seed, 1});
   }
   return places;
 }
@@ -271,17 +265,16 @@ void drop_specks(const std::set<std::size_t>& cut, LabelImage& image, VoxelsChan
   }
 }
 
-}  // namespace
-
-VoxelsChanged change_touching(TouchChoice choice, LabelImage& image) {
+/// Separates or joins what touches, in rounds.
+VoxelsChanged change_contacts(bool separates, LabelImage& image) {
   constexpr int kMaxRounds = 4;  // The second one finds what bumps hid in the first.
   VoxelsChanged changed;
   std::set<std::size_t> cut;
-  for (int round = 0; choice != TouchChoice::kKeep && round < kMaxRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const VesselChunks chunks(image);
     const std::vector<ContactElement> elements = contacts_of(chunks, touching_pairs(chunks));
     std::set<std::size_t> found;
-    if (choice == TouchChoice::kSeparate)
+    if (separates)
       separate(chunks, elements, found);
     else
       join(chunks, elements, found);
@@ -290,15 +283,24 @@ VoxelsChanged change_touching(TouchChoice choice, LabelImage& image) {
     const std::vector<LabelImage::Index> before = image.voxels();
     for (const std::size_t in_box : found) {
       const Index3 place = chunks.low() + chunks.place_of(in_box);
-      image.at(place) =
-          choice == TouchChoice::kSeparate ? LabelImage::Index{0} : image::label_around(image, before, place);
+      image.at(place) = separates ? LabelImage::Index{0} : image::label_around(image, before, place);
       image::note_change(image, place, changed);
       cut.insert(image.frame().offset(place));
     }
-    if (choice == TouchChoice::kJoin && round > 0) break;
+    if (!separates && round > 0) break;
   }
-  if (choice == TouchChoice::kSeparate) drop_specks(cut, image, changed);
+  if (separates) drop_specks(cut, image, changed);
   return changed;
+}
+
+}  // namespace
+
+VoxelsChanged separate_touching(LabelImage& image) {
+  return change_contacts(true, image);
+}
+
+VoxelsChanged join_touching(LabelImage& image) {
+  return change_contacts(false, image);
 }
 
 std::vector<ThinPlace> find_thin_places(const LabelImage& image) {

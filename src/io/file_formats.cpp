@@ -156,6 +156,10 @@ bool is_for(const Path& path, FileUse use) {
   return found_format(path, use) != nullptr;
 }
 
+bool is_mesh_file(const Path& path) {
+  return is_for(path, kRead);
+}
+
 bool io::is_written_only(const Path& path) {
   return is_for(path, kWrite) && !is_for(path, kRead);
 }

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "lumesh/core/context.hpp"
-#include "lumesh/core/file_use.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 

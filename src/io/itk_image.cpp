@@ -15,6 +15,8 @@
 #include "dicom_series.hpp"
 #include "dicom_slices.hpp"
 #include "file_fault.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "raw_image.hpp"
 #include "unpacked_file.hpp"

@@ -12,6 +12,7 @@
 #include "format_table.hpp"
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "mesh_formats.hpp"
 #include "part_names.hpp"

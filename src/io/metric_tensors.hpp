@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lumesh/geometry/sym_tensor.hpp"
+#include "lumesh/core/types.hpp"
 
 namespace lumesh::io {
 

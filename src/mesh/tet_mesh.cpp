@@ -2,6 +2,7 @@
 
 #include <type_traits>
 
+#include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/parallel/loops.hpp"

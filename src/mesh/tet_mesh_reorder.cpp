@@ -2,6 +2,7 @@
 #include <array>
 #include <utility>
 
+#include "lumesh/core/assert.hpp"
 #include "lumesh/core/uninitialised.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"

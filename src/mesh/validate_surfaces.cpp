@@ -6,6 +6,7 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"

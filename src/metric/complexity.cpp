@@ -5,6 +5,8 @@
 #include <functional>
 #include <vector>
 
+#include "lumesh/core/assert.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/metric/metric_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/sum.hpp"

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/sort_unique.hpp"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/metric/curvature_metric.hpp"

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lumesh/geometry/sym_tensor.hpp"
+#include "lumesh/core/types.hpp"
 
 namespace lumesh::metric {
 

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "background.hpp"
+#include "lumesh/core/assert.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/metric/analytic.hpp"
 #include "lumesh/metric/measures.hpp"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "boundary_sizes.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/metric/gradation.hpp"

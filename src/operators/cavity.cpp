@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "links.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/edge_key.hpp"
 #include "surface_rules.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "execution_parts.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/published.hpp"
 #include "lumesh/parallel/word_lock.hpp"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "execution_parts.hpp"
+#include "lumesh/core/assert.hpp"
 
 namespace lumesh::operators {
 namespace {

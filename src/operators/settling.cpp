@@ -7,6 +7,7 @@
 
 #include "area_means.hpp"
 #include "lumesh/core/angles.hpp"
+#include "lumesh/core/assert.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/predicates.hpp"

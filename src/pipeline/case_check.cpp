@@ -6,6 +6,7 @@
 
 #include "case_sections.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "outputs.hpp"
 

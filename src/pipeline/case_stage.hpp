@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lumesh/pipeline/case.hpp"
+#include "lumesh/pipeline/pipeline.hpp"
 
 namespace lumesh::pipeline {
 

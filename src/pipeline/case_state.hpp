@@ -9,7 +9,7 @@
 
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/pipeline/case.hpp"
+#include "lumesh/pipeline/pipeline.hpp"
 #include "lumesh/quality/evaluation.hpp"
 #include "lumesh/stages/domain_read.hpp"
 

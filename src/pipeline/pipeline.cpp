@@ -8,6 +8,7 @@
 #include <cctype>
 #include <chrono>
 #include <ctime>
+#include <memory>
 
 #include "case_sections.hpp"
 #include "case_stage.hpp"
@@ -16,6 +17,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/memory.hpp"
 #include "lumesh/parallel/cancellation.hpp"
+#include "lumesh/report/case_report.hpp"
 #include "outputs.hpp"
 #include "stages.hpp"
 
@@ -51,8 +53,8 @@ class CaseRun {
     stage(CaseStage::kCenterline, [&](report::StageReport& report) {
       take_or_make(CaseStage::kCenterline, report, pipeline::make_centerline);
     });
-    centerline_stage_ = result_.report.stages.size() - 1;
-    write_centerline(state_, result_.report.files);
+    centerline_stage_ = report_.stages.size() - 1;
+    write_centerline(state_, report_.files);
   }
 
   /// Changes the mesh by a stage, or takes what its checkpoint has.
@@ -80,26 +82,26 @@ class CaseRun {
   /// Measures and pictures of the mesh as it is, for the stage that was last.
   void describe(const std::string& mesh_name) {
     const auto start = std::chrono::steady_clock::now();
-    report::StageReport& last = result_.report.stages.back();
+    report::StageReport& last = report_.stages.back();
     last.mesh_name = mesh_name;
     if (last.evaluation) return;  // No stage has changed the mesh since.
     unless_stopped([&] {
       if (last.layers)
-        describe_layers(state_, result_.report.stages[result_.report.stages.size() - 2].evaluation, last);
+        describe_layers(state_, report_.stages[report_.stages.size() - 2].evaluation, last);
       else
         describe_mesh(state_, last);
     });
     describing_s_ += seconds_since(start);
   }
-  void name_patches() { result_.without_name = name_patches_of_case(state_, result_.report.stages.back()); }
+  void name_patches() { result_.without_name = name_patches_of_case(state_, report_.stages.back()); }
   void draw_centerline() {
     if (centerline_stage_ == kNone || state_.c.output.report.empty()) return;
     const auto start = std::chrono::steady_clock::now();
     unless_stopped(
-        [&] { result_.report.stages[centerline_stage_].pictures.push_back(picture_of_centerline(state_)); });
+        [&] { report_.stages[centerline_stage_].pictures.push_back(picture_of_centerline(state_)); });
     describing_s_ += seconds_since(start);
   }
-  void keep_first_mesh() { write_first_mesh(state_, result_.report.files); }
+  void keep_first_mesh() { write_first_mesh(state_, report_.files); }
 
   CaseResult finish() {
     const auto start = std::chrono::steady_clock::now();
@@ -107,30 +109,30 @@ class CaseRun {
     const std::filesystem::path folder = folder_of_results(state_);
     result_.folder = folder.string();
     std::vector<report::OutputFile> meshes = write_meshes(state_, folder);
-    settle_stage_files(state_, result_.report.files);
-    for (report::OutputFile& file : meshes) result_.report.files.push_back(std::move(file));
+    settle_stage_files(state_, report_.files);
+    for (report::OutputFile& file : meshes) report_.files.push_back(std::move(file));
     // What evaluate found no problem in has no faults; of mixed cells it looks at less.
-    const std::optional<quality::Evaluation>& last = result_.report.stages.back().evaluation;
+    const std::optional<quality::Evaluation>& last = report_.stages.back().evaluation;
     if (state_.mixed || !last || last->problem_count > 0) result_.faults = faults_of_written(state_);
     say("write", seconds_since(start), result_.folder);
-    report::CaseReport& report = result_.report;
-    report.title = state_.c.name;
-    report.configuration = case_text(state_.c);
-    report.provenance = state_.info().provenance;
-    report.provenance["threads"] = std::to_string(state_.threads());
-    report.provenance["date"] = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
-    report.seconds = seconds_since(start_);
-    report.peak_memory_bytes = peak_memory_bytes();
-    report.complete = result_.complete = state_.is_complete;
-    if (!report.stages.back().pictures.empty())
-      report.pictures.push_back(report.stages.back().pictures.front());
+    report_.title = state_.c.name;
+    report_.configuration = case_text(state_.c);
+    report_.provenance = state_.info().provenance;
+    report_.provenance["threads"] = std::to_string(state_.threads());
+    report_.provenance["date"] = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+    report_.seconds = seconds_since(start_);
+    report_.peak_memory_bytes = peak_memory_bytes();
+    report_.complete = result_.complete = state_.is_complete;
+    if (!report_.stages.back().pictures.empty())
+      report_.pictures.push_back(report_.stages.back().pictures.front());
     const auto writing = std::chrono::steady_clock::now();
-    write_report(state_.c, folder, report);
+    write_report(state_.c, folder, report_);
     const std::string &page = state_.c.output.report, left_out = "without measures and pictures of the rest";
     say("report", describing_s_ + seconds_since(writing),
         !state_.is_complete ? page + (page.empty() ? "" : ", ") + left_out
         : page.empty()      ? "measures"
                             : "measures, pictures, " + page);
+    result_.report = std::make_shared<const report::CaseReport>(std::move(report_));
     return std::move(result_);
   }
 
@@ -140,12 +142,12 @@ class CaseRun {
   /// Work without which there are results to write all the same.
   template <class Work>
   void unless_stopped(const Work& work) {
-    const std::size_t stages = result_.report.stages.size();
+    const std::size_t stages = report_.stages.size();
     try {
       parallel::run_cancellable(state_.context.stop_token(), work);
     } catch (const parallel::Cancelled&) {
       state_.is_complete = false;
-      result_.report.stages.resize(stages);
+      report_.stages.resize(stages);
     }
   }
 
@@ -165,7 +167,7 @@ class CaseRun {
   void stage(CaseStage which, const Make& make) {
     const auto start = std::chrono::steady_clock::now();
     const std::size_t phases = state_.context.phases().size();
-    report::StageReport& report = result_.report.stages.emplace_back();
+    report::StageReport& report = report_.stages.emplace_back();
     report.name = names_of(which).title;
     const std::vector<std::string> sections = sections_of(which, state_.c.mesher);
     try {
@@ -212,6 +214,7 @@ class CaseRun {
   Checkpoints checkpoints_;
   std::map<CaseStage, std::string> keys_;
   CaseResult result_;
+  report::CaseReport report_;
   std::size_t centerline_stage_ = kNone;
   double describing_s_ = 0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -243,8 +246,12 @@ std::string counts_line(const report::StageReport& stage) {
 }  // namespace pipeline
 
 std::string CaseResult::text() const {
-  return fmt::format("{}: {} in {:.1f} s, {:.2g} GB at the peak\n", folder, report.title, report.seconds,
-                     static_cast<double>(report.peak_memory_bytes) / 1e9);
+  return fmt::format("{}: {} in {:.1f} s, {:.2g} GB at the peak\n", folder, report->title, report->seconds,
+                     static_cast<double>(report->peak_memory_bytes) / 1e9);
+}
+
+std::string CaseResult::json() const {
+  return report::case_report_json(*report);
 }
 
 void CaseResult::require_good(const std::string& besides) const {
@@ -253,7 +260,7 @@ void CaseResult::require_good(const std::string& besides) const {
   };
   if (!faults.empty())
     throw_not_reached(fmt::format("the mesh is invalid: {}; do not use it", fmt::join(faults, "; ")));
-  const std::optional<report::LayersOfMesh>& layers = report.stages.back().layers;
+  const std::optional<report::LayersOfMesh>& layers = report->stages.back().layers;
   if (const std::string shortfall = layers ? layers->report.shortfall() : ""; !shortfall.empty())
     throw_not_reached(shortfall);
   if (!without_name.empty()) throw_not_reached(without_name.front());

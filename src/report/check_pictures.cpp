@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "checked_shape.hpp"
+#include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/report/check_report.hpp"
 #include "name_labels.hpp"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/image/selection.hpp"
 #include "lumesh/mesh/triangle_sides.hpp"

@@ -2,7 +2,7 @@
 /// @file Where to cut a mesh open so that most of its inside can be seen.
 
 #include "camera.hpp"
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh::report {

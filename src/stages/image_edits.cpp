@@ -20,9 +20,8 @@ void say(const VoxelsChanged& changed, const char* what, const LabelImage& image
 }
 
 /// How many pieces there are, joined through faces, unless one became two or all became one.
-void say_pieces(TouchChoice choice, std::size_t before, std::size_t now, bool has_changed,
+void say_pieces(bool separates, std::size_t before, std::size_t now, bool has_changed,
                 const Context& context) {
-  const bool separates = choice == TouchChoice::kSeparate;
   if (!has_changed)
     context.warn(fmt::format("no vessels that touch{} were found; the object stays in {}",
                              separates ? "" : " or are near", counted(before, "piece")));
@@ -45,14 +44,15 @@ void edit_image(const ImageSelection& selection, Context& context, LabelImage& i
     say(fill_cavities(image), "that were enclosed got the label around them", image, context);
   if (selection.touching == TouchChoice::kKeep) return;
   const std::size_t before = voxel_components(image, ComponentScope::kUnion).size();
+  const bool separates = selection.touching == TouchChoice::kSeparate;
   const VoxelsChanged changed =
-      context.phase("touching", [&] { return change_touching(selection.touching, image); });
+      context.phase("touching", [&] { return separates ? separate_touching(image) : join_touching(image); });
   say(changed,
-      selection.touching == TouchChoice::kSeparate ? "between vessels that touch became background"
-                                                   : "between vessels got the label around them",
+      separates ? "between vessels that touch became background"
+                : "between vessels got the label around them",
       image, context);
-  say_pieces(selection.touching, before, voxel_components(image, ComponentScope::kUnion).size(),
-             changed.voxels > 0, context);
+  say_pieces(separates, before, voxel_components(image, ComponentScope::kUnion).size(), changed.voxels > 0,
+             context);
 }
 
 }  // namespace lumesh

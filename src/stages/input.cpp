@@ -113,10 +113,6 @@ SurfaceView surface_view(const MixedMesh& surface, double resolution_mm) {
   return {surface.points, surface.triangles, surface.triangle_patches, surface.info.patches, resolution_mm};
 }
 
-std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface, const SurfaceDomainOptions& options) {
-  return std::make_unique<SurfaceDomain>(surface_view(surface), options);
-}
-
 Polylines centerline_of(const Phantom& phantom) {
   Polylines lines;
   for (const PhantomCurve& curve : phantom.centerline()) {

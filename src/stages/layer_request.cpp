@@ -6,6 +6,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/parse_number.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/stages/layers_stage.hpp"

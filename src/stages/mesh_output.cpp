@@ -9,6 +9,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/write_results.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/patch_names.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/mesh/patch_words.hpp"

@@ -11,6 +11,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/write_results.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/io/point_data_file.hpp"

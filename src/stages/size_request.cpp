@@ -9,6 +9,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/delaunay/sizing_plugin.hpp"
 #include "lumesh/image/labels_named.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/polylines.hpp"

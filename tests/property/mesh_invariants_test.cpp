@@ -10,6 +10,7 @@
 
 #include "fixtures/meshes.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/validate.hpp"
 
 namespace lumesh {

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "lumesh/core/context.hpp"
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/polylines.hpp"

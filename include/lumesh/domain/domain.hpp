@@ -1,22 +1,26 @@
 #pragma once
-/// @file The domain oracle: where each material is, and where their boundaries run.
+/// @file The domain oracle: where each material is, where their boundaries run, and the planes that cut them
+/// off.
 
 #include <algorithm>
 #include <array>
 #include <initializer_list>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lumesh/core/types.hpp"
-#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/field/field_options.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
+
+struct CarriedSection;
 
 /// Index of a material: 0 is the background, then the labels that are meshed, then other parts of the
 /// outside, whose boundaries with the labels are patches of their own (openings, such as cut planes).
@@ -75,6 +79,29 @@ struct FlatEnd {
   Box3 box_mm;
   std::vector<std::array<Vec3, 3>> triangles_mm;  ///< Corners of its triangles.
 };
+
+/// A plane that cuts the object off: what lies on the side of the normal is removed. With a radius and a
+/// depth it removes only what of the object lies in the cylinder that stands on the plane, so that it cuts
+/// one vessel.
+struct CutPlane {
+  Vec3 point_mm = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();  ///< Need not be of unit length but with a radius, must not be zero.
+  double radius_mm = std::numeric_limits<double>::infinity();  ///< Around the point.
+  double depth_mm = std::numeric_limits<double>::infinity();   ///< From the plane along the normal.
+  /// Instead of the cylinder, where an extended vessel ends: what has been carried there.
+  std::shared_ptr<const CarriedSection> section = nullptr;
+  /// Names that the openings in it have, by falling area of each label; others are named by their areas.
+  std::vector<std::pair<Label, std::string>> names = {};
+
+  [[nodiscard]] bool is_bounded() const { return radius_mm < std::numeric_limits<double>::infinity(); }
+  /// How far a point is beyond the plane; in mm where the normal is of unit length.
+  [[nodiscard]] double height(const Vec3& x) const { return normal.dot(x - point_mm); }
+  /// How deep a point is within what is removed; negative outside. The normal is of unit length.
+  [[nodiscard]] double beyond_mm(const Vec3& x) const;
+};
+
+/// The point, or one on the planes that it lies beyond; their normals are of unit length.
+[[nodiscard]] Vec3 nearest_within(std::span<const CutPlane> planes, Vec3 point_mm);
 
 /// Space divided into materials, in mm. Const calls from any thread; most cost well under a microsecond.
 class Domain {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
-#include "lumesh/domain/cut_plane.hpp"
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/field/field_options.hpp"
 #include "lumesh/image/label_image.hpp"
@@ -102,5 +101,10 @@ class ImageDomain final : public Domain {
   double unit_mm_ = 1;  // of the field: the smallest edge of a voxel
   VoxelBox object_box_;
 };
+
+/// Voxels of each label (in the order of image.values(), 0 for the background) on the kept side of all
+/// planes. Voxels that a plane passes through count by their share, taken as linear in the plane's place.
+[[nodiscard]] std::vector<double> count_kept_voxels(const LabelImage& image,
+                                                    std::span<const CutPlane> planes);
 
 }  // namespace lumesh

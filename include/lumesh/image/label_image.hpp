@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "lumesh/core/grid.hpp"
 #include "lumesh/core/types.hpp"
 
 namespace lumesh {

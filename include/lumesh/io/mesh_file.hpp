@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <string>
 
-#include "lumesh/io/file_formats.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {
@@ -30,7 +29,7 @@ struct MeshWriteOptions {
   void describe(OptionList& list);
 };
 
-/// Writes a mesh in any format of formats_for(FileUse::kWrite); surface formats get its boundary faces. For
+/// Writes a mesh in any format that README.md lists; surface formats get its boundary faces. For
 /// solvers: .foam (an empty file, beside it OpenFOAM's folder constant/polyMesh, ASCII, in metres); of
 /// tetrahedra only, .xdmf with the files beside it that FEniCS reads, and SimVascular's folder under a name
 /// that ends in mesh-complete.
@@ -45,13 +44,12 @@ struct MeshWriteOptions {
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh,
                 const MeshWriteOptions& options = {});
 
-/// Writes the boundary faces alone, with the points they use, in a format of
-/// formats_for(FileUse::kWriteSurface). Faces are as in `mesh`; see extract_boundary() for meshes without
-/// any. Errors as write_mesh().
+/// Writes the boundary faces alone, with the points they use, in a format for surfaces. Faces are as in
+/// `mesh`; see extract_boundary() for meshes without any. Errors as write_mesh().
 void write_surface(const std::filesystem::path& path, const MeshView& mesh,
                    const MeshWriteOptions& options = {});
 
-/// Reads volumes and surfaces in every format of formats_for(FileUse::kRead).
+/// Reads volumes and surfaces in every format that README.md lists.
 ///
 /// Cells keep the order of the file, in VTK's vertex order. Labels come from `label` or another program's
 /// array (docs/stages/convert.md); 1 if there is none. The metric is the point array `metric` of .vtu and
@@ -61,9 +59,8 @@ void write_surface(const std::filesystem::path& path, const MeshView& mesh,
 /// Memory: the file, and the mesh.
 [[nodiscard]] MixedMesh read_mesh(const std::filesystem::path& path);
 
-[[nodiscard]] inline bool is_mesh_file(const std::filesystem::path& path) {
-  return is_for(path, FileUse::kRead);
-}
+/// True for a file name that read_mesh() takes.
+[[nodiscard]] bool is_mesh_file(const std::filesystem::path& path);
 /// True for a file name under which write_mesh() makes a folder, and replaces one that holds a mesh.
 [[nodiscard]] bool is_mesh_folder(const std::filesystem::path& path);
 /// @throws Error{kBadInput} if write_mesh() would refuse to replace what is there: under the name of a folder

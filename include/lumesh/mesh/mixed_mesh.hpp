@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
-#include "lumesh/geometry/sym_tensor.hpp"
 
 namespace lumesh {
 
@@ -48,6 +47,10 @@ struct MeshInfo {
 
 template <std::size_t N>
 using Cell = std::array<std::uint32_t, N>;  ///< Vertex indices in VTK order.
+
+/// Vertices of the face opposite vertex f; their right-hand normal points out of a positively oriented
+/// tetrahedron.
+inline constexpr std::array<std::array<int, 3>, 4> kTetFaces = {{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// A view of a mesh that somebody else owns. Cells are in VTK order; boundary faces point out of the cell of
 /// their first label. Every span of labels/patches has the length of its cells.

@@ -10,7 +10,7 @@
 /// so about 46 bytes per tetrahedron of a one-label mesh (5.8 tetrahedra per vertex).
 ///
 /// Faces: face f of a tetrahedron is opposite its vertex f, with the corners kTetFaces[f]
-/// (geometry/tetrahedron.hpp). Its link word is either the neighbour, packed as (tetrahedron << 2 | face), or
+/// (mixed_mesh.hpp). Its link word is either the neighbour, packed as (tetrahedron << 2 | face), or
 /// a boundary word that carries the patch. The 2^20 highest words are boundary words: a range test costs as
 /// much as a tag bit and leaves ids up to 1.07e9. A face between two labels needs both its neighbours and a
 /// patch. Its patch stands in an array parallel to the links (16 bits per face, held by both sides), made
@@ -27,10 +27,7 @@
 #include <span>
 #include <vector>
 
-#include "lumesh/core/assert.hpp"
 #include "lumesh/core/types.hpp"
-#include "lumesh/geometry/sym_tensor.hpp"
-#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/parallel/relaxed.hpp"
 #include "lumesh/parallel/stable_array.hpp"

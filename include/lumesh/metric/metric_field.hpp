@@ -6,7 +6,7 @@
 #include <span>
 #include <variant>
 
-#include "lumesh/geometry/sym_tensor.hpp"
+#include "lumesh/core/types.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 
 namespace lumesh::metric {

@@ -8,7 +8,7 @@
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/types.hpp"
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"

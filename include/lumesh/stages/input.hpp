@@ -2,6 +2,7 @@
 /// @file What the pipeline and the program's commands begin with: images, surfaces and meshes, brought into
 /// one form, and what is cut off or extended of them.
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,12 +12,11 @@
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/types.hpp"
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/domain/extension.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/image/label_image.hpp"
-#include "lumesh/image/touching.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/metric/sources.hpp"
@@ -26,6 +26,13 @@ namespace lumesh {
 
 class ImageDomain;
 struct LabelFieldOptions;
+
+/// Treatment of vessels side by side that touch, or are at most a voxel apart.
+enum class TouchChoice : std::uint8_t {
+  kKeep,
+  kSeparate,  ///< A layer of voxels between them becomes background.
+  kJoin,      ///< The cleft between them is filled.
+};
 
 /// Which voxels of an image count.
 struct ImageSelection {
@@ -131,10 +138,6 @@ struct SurfaceInput {
 [[nodiscard]] SurfaceInput read_surface(const std::filesystem::path& path, const std::string& unit,
                                         const SurfaceInputOptions& options, const InputCuts& cuts,
                                         const Context& context);
-
-/// Its inside. @throws Error{kBadInput}, Error{kUsage} as SurfaceDomain does.
-[[nodiscard]] std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface,
-                                                       const SurfaceDomainOptions& options);
 
 /// Meshes may stand in another frame or unit than images and options do. Wanted edge lengths and those in the
 /// metric stay.

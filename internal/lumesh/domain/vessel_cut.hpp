@@ -1,7 +1,7 @@
 #pragma once
 /// @file One vessel of an image cut off.
 
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/image/label_image.hpp"
 

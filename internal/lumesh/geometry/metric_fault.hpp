@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "lumesh/geometry/sym_tensor.hpp"
+#include "lumesh/core/types.hpp"
 
 namespace lumesh {
 

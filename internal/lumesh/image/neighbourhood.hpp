@@ -1,6 +1,7 @@
 #pragma once
 /// @file What surrounds a voxel.
 
+#include "lumesh/core/grid.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {

@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "lumesh/geometry/sym_tensor.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/core/types.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/mesh_file.hpp"
 
 namespace lumesh {

@@ -7,7 +7,7 @@
 
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/metric/source_options.hpp"
+#include "lumesh/metric/sources.hpp"
 
 namespace lumesh::metric {
 

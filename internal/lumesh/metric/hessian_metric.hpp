@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lumesh/mesh/tet_mesh.hpp"
-#include "lumesh/metric/source_options.hpp"
+#include "lumesh/metric/sources.hpp"
 
 namespace lumesh::metric {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "lumesh/geometry/sym_tensor.hpp"
+#include "lumesh/core/types.hpp"
 
 namespace lumesh::metric {
 

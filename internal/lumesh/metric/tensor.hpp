@@ -6,7 +6,7 @@
 /// turn, where a mean of the tensors themselves would shrink. Sources: Arsigny et al. 2006,
 /// doi:10.1002/mrm.20965; Alauzet 2010, doi:10.1016/j.finel.2009.06.028, section 2.3.2, eq. (3).
 
-#include "lumesh/geometry/sym_tensor.hpp"
+#include "lumesh/core/types.hpp"
 
 namespace lumesh::metric {
 

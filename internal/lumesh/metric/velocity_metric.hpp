@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "lumesh/geometry/sym_tensor.hpp"
-#include "lumesh/metric/source_options.hpp"
+#include "lumesh/core/types.hpp"
+#include "lumesh/metric/sources.hpp"
 
 namespace lumesh::metric {
 

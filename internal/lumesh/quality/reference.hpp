@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/image/phantom.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/quality/measures.hpp"

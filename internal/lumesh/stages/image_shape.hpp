@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/mesh/tet_mesh.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "lumesh/adapt/improve.hpp"
 #include "lumesh/core/context.hpp"
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/stages/changing_mesh.hpp"
 #include "lumesh/stages/mesh_cut.hpp"
 #include "lumesh/stages/provenance.hpp"

@@ -8,7 +8,7 @@
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/core/types.hpp"
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/domain/extension.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"

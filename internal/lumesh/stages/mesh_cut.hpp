@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 
 namespace lumesh {

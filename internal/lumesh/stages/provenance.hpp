@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lumesh/domain/cut_plane.hpp"
+#include "lumesh/domain/domain.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/stages/input.hpp"
 

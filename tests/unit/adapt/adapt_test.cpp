@@ -7,6 +7,7 @@
 #include "fixtures/flat_tets.hpp"
 #include "fixtures/metric_cubes.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/operators/creases.hpp"

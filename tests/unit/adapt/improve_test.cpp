@@ -12,6 +12,7 @@
 #include "lumesh/adapt/adapt.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/surface.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/validate.hpp"
 
 namespace lumesh {

@@ -13,6 +13,7 @@
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/domain/image_domain.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
 #include "lumesh/mesh/validate.hpp"

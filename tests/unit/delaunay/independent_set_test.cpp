@@ -9,6 +9,7 @@
 #include <set>
 
 #include "fixtures/analytic_domain.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/operators/delaunay_execution.hpp"
 
 namespace lumesh::delaunay {

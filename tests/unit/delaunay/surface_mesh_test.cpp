@@ -15,6 +15,7 @@
 #include "fixtures/surfaces.hpp"
 #include "lumesh/delaunay/delaunay.hpp"
 #include "lumesh/domain/surface_domain.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/validate.hpp"
 

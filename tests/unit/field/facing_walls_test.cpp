@@ -8,6 +8,7 @@
 
 #include "../src/field/unlabelled_lumens.hpp"
 #include "field_fixtures.hpp"
+#include "lumesh/core/grid.hpp"
 
 namespace lumesh::field {
 namespace {

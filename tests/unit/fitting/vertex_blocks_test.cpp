@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "unit/lattice/lattice_blocks.hpp"
 

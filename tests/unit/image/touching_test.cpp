@@ -97,13 +97,13 @@ TEST(Touching, VesselsSideBySideAreFoundSeparatedAndJoined) {
     }
     const std::size_t before = count_voxels(pair.image);
     LabelImage separated = pair.image;
-    const VoxelsChanged gone = change_touching(TouchChoice::kSeparate, separated);
+    const VoxelsChanged gone = separate_touching(separated);
     EXPECT_EQ(voxel_components(separated, ComponentScope::kUnion).size(), 2U);
     EXPECT_EQ(gone.voxels, before - count_voxels(separated));
     EXPECT_EQ(gone.voxels > 0, they_touch);
     EXPECT_FALSE(has_kind(find_thin_places(separated), ThinPlace::Kind::kTouching));
     LabelImage joined = pair.image;
-    const VoxelsChanged filled = change_touching(TouchChoice::kJoin, joined);
+    const VoxelsChanged filled = join_touching(joined);
     EXPECT_EQ(filled.voxels, count_voxels(joined) - before);
     EXPECT_DOUBLE_EQ(filled.volume_mm3, static_cast<double>(filled.voxels));
     if (they_touch || !places.empty()) {
@@ -142,7 +142,7 @@ void expect_found_and_separated(const LabelImage& image, const Vec3& contact, do
   ASSERT_TRUE(has_kind(places, ThinPlace::Kind::kTouching));
   EXPECT_LE((places.front().voxel.cast<double>() - contact).norm(), max_off);
   LabelImage separated = image;
-  change_touching(TouchChoice::kSeparate, separated);
+  separate_touching(separated);
   EXPECT_EQ(voxel_components(separated, ComponentScope::kUnion).size(), 2U);
 }
 
@@ -158,7 +158,7 @@ TEST(Touching, CavityOfAVesselIsNoContact) {
                                            [&](const Vec3& p) { return is_vessel(p) ? 1 : 0; });
     EXPECT_TRUE(find_thin_places(image).empty());
     const std::size_t before = count_voxels(image);
-    EXPECT_EQ(change_touching(TouchChoice::kSeparate, image).voxels, 0U);
+    EXPECT_EQ(separate_touching(image).voxels, 0U);
     EXPECT_EQ(count_voxels(image), before);
   }
 }

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "io_fixtures.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/image_file.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/point_data_file.hpp"

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "io_fixtures.hpp"
+#include "lumesh/core/option.hpp"
+#include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/polylines_file.hpp"
 

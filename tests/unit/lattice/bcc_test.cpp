@@ -7,6 +7,7 @@
 #include <random>
 
 #include "lattice_blocks.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "measures.hpp"
 
 namespace lumesh {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "unit/lattice/lattice_blocks.hpp"
 
 namespace lumesh {

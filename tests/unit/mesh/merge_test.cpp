@@ -8,6 +8,7 @@
 #include "fixtures/meshes.hpp"
 #include "fixtures/mixed_meshes.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/loops.hpp"

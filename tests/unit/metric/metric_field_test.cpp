@@ -7,6 +7,7 @@
 #include "fixtures/meshes.hpp"
 #include "fixtures/metric_cubes.hpp"
 #include "fixtures/rough_cube.hpp"
+#include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/metric/analytic.hpp"
 #include "lumesh/metric/measures.hpp"
 #include "lumesh/metric/tensor.hpp"

@@ -1,6 +1,4 @@
 // Case files: what is read, what is refused, and with which words.
-#include "lumesh/pipeline/case.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -8,6 +6,7 @@
 #include <random>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/pipeline/pipeline.hpp"
 
 namespace lumesh {
 namespace {

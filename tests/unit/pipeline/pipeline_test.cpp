@@ -13,6 +13,7 @@
 #include "lumesh/mesh/validate.hpp"
 #include "lumesh/parallel/cancellation.hpp"
 #include "lumesh/quality/statistics.hpp"
+#include "lumesh/report/case_report.hpp"
 
 namespace lumesh {
 namespace {
@@ -44,8 +45,8 @@ class WholeCase : public ::testing::Test {
 
 TEST_F(WholeCase, WithoutASourceOfSizesTheFirstMeshIsTheLast) {
   const CaseResult result = run();
-  ASSERT_EQ(result.report.stages.size(), 2U);
-  const quality::Evaluation& e = *result.report.stages.back().evaluation;
+  ASSERT_EQ(result.report->stages.size(), 2U);
+  const quality::Evaluation& e = *result.report->stages.back().evaluation;
   EXPECT_TRUE(e.valid());
   EXPECT_FALSE(e.has_metric);
   EXPECT_EQ(e.euler, 0) << "a ring";
@@ -61,7 +62,7 @@ TEST_F(WholeCase, AlongTheCenterlineElementsAreStretchedAlongTheRing) {
   case_.metric.limits.max_aspect = 4;
   case_.metric.limits.complexity = 1500;
   const CaseResult result = run();
-  const quality::Evaluation& e = *result.report.stages.back().evaluation;
+  const quality::Evaluation& e = *result.report->stages.back().evaluation;
   EXPECT_TRUE(e.valid());
   EXPECT_EQ(e.euler, 0);
   ASSERT_TRUE(e.metric);
@@ -109,7 +110,7 @@ TEST_F(WholeCase, RoughVesselsOfTwoVoxelsAreAdaptedWithoutEverOverlapping) {
   case_.metric.source<metric::VelocitySource>().velocity = "phantom";
   case_.metric.limits.complexity = 3000;
   const CaseResult result = run();
-  const quality::Evaluation& e = *result.report.stages.back().evaluation;
+  const quality::Evaluation& e = *result.report->stages.back().evaluation;
   EXPECT_TRUE(e.valid()) << (e.problems.empty() ? "" : e.problems.front());
 }
 
@@ -132,7 +133,7 @@ TEST_F(WholeCase, PatchesHaveTheNamesGivenInTheNumbersOfAllStagesAndInAllFiles) 
     return at == e.patches.end() ? 0 : at->area_mm2;
   };
   int described = 0;
-  for (const report::StageReport& stage : result.report.stages) {
+  for (const report::StageReport& stage : result.report->stages) {
     if (!stage.evaluation) continue;
     SCOPED_TRACE(stage.name);
     ++described;
@@ -144,7 +145,7 @@ TEST_F(WholeCase, PatchesHaveTheNamesGivenInTheNumbersOfAllStagesAndInAllFiles) 
       EXPECT_EQ(o.patches == "trunk", o.opening.name == "inlet_1") << o.patches;
   }
   EXPECT_EQ(described, 3);
-  EXPECT_EQ(result.report.stages.back().layers->report.patches.at(0).patch, "vessel");
+  EXPECT_EQ(result.report->stages.back().layers->report.patches.at(0).patch, "vessel");
   for (const char* file : {"first.vtu", "mesh.vtu"}) {
     const MeshInfo info = read_mesh(folder_ / file).info;
     EXPECT_TRUE(std::any_of(info.patches.begin(), info.patches.end(), [](const Patch& p) {
@@ -164,7 +165,7 @@ TEST_F(WholeCase, PredictsTheNumberOfTetrahedra) {
   for (const CasePrediction::Step& step : prediction.steps)
     if (step.tetrahedra > 0) (first == 0 ? first : last) = step.tetrahedra;
   const auto made = [&](std::size_t stage) {
-    return static_cast<double>(result.report.stages.at(stage).evaluation->statistics.tetrahedra.count);
+    return static_cast<double>(result.report->stages.at(stage).evaluation->statistics.tetrahedra.count);
   };
   EXPECT_NEAR(first / made(3), 1, 0.4) << "the mesh that carries the metric";
   EXPECT_NEAR(last / made(4), 1, 0.3);
@@ -181,7 +182,7 @@ TEST_F(WholeCase, LayersWithinTheMeshLeaveItsVolumeAndHaveALabelOfTheirOwn) {
   case_.layers.options.label = 5;
   case_.layers.options.label_name = "blood";
   const CaseResult result = run();
-  const report::StageReport& last = result.report.stages.back();
+  const report::StageReport& last = result.report->stages.back();
   EXPECT_EQ(last.name, "Boundary layers");
   EXPECT_TRUE(last.evaluation->valid());
   ASSERT_TRUE(last.layers);
@@ -204,7 +205,7 @@ TEST_F(WholeCase, PredictsTheCellsOfLayers) {
   Context context;
   const CasePrediction prediction = predict_case(case_, context);
   const CaseResult result = run();
-  const auto& made = result.report.stages.back().evaluation->statistics.tetrahedra;
+  const auto& made = result.report->stages.back().evaluation->statistics.tetrahedra;
   double last = 0;
   for (const CasePrediction::Step& step : prediction.steps)
     if (step.tetrahedra > 0) last = step.tetrahedra;

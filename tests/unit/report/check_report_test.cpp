@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "browser.hpp"
+#include "lumesh/core/grid.hpp"
 
 namespace lumesh::report {
 namespace {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <set>
 #include <string>
@@ -29,6 +30,12 @@ using fixtures::icosphere;
 using fixtures::TriangleSoup;
 
 constexpr double kPi = std::numbers::pi;
+
+std::unique_ptr<SurfaceDomain> domain_of(const MixedMesh& surface) {
+  SurfaceInput input;
+  input.mesh = surface;
+  return input.domain({});
+}
 
 /// Open at both ends, around a curve of places and directions by the length along it.
 struct Tube {
@@ -85,13 +92,13 @@ class SurfaceCuts : public ::testing::Test {
     return read_surface(write(soup), "", {}, cuts, context_);
   }
   static FlatEnd end_named(const MixedMesh& surface, const std::string& name) {
-    const auto domain = domain_of(surface, {});
+    const auto domain = domain_of(surface);
     for (const FlatEnd& end : domain->flat_ends())
       if (end.name == name) return end;
     ADD_FAILURE() << "no end " << name;
     return {};
   }
-  static double volume_of(const MixedMesh& surface) { return domain_of(surface, {})->volume_mm3(); }
+  static double volume_of(const MixedMesh& surface) { return domain_of(surface)->volume_mm3(); }
 
   std::vector<std::string> told_;
   Context context_{nullptr, [this](std::string_view text) { told_.emplace_back(text); }};
@@ -122,7 +129,7 @@ TEST_F(SurfaceCuts, CutsAndExtensionsKeepTheResolution) {
   for (const InputCuts& cuts : {longer, shorter}) {
     const SurfaceInput changed = read(soup_of(bent()), cuts);
     EXPECT_DOUBLE_EQ(changed.domain({})->resolution_mm(), plain_mm);
-    EXPECT_GT(std::abs(domain_of(changed.mesh, {})->resolution_mm() - plain_mm), 0.05 * plain_mm);
+    EXPECT_GT(std::abs(domain_of(changed.mesh)->resolution_mm() - plain_mm), 0.05 * plain_mm);
   }
 }
 
@@ -374,7 +381,7 @@ TEST_F(SurfaceCuts, EndsAreCutSquareAndSacsAreNot) {
   EXPECT_NEAR(volume_of(cut), kPi * 4 * (7.5 * kPi - 2 * 2), 0.03 * kPi * 4 * 7.5 * kPi);
   for (const std::string name : {"inlet_1", "outlet_1"})
     EXPECT_NEAR(end_named(cut, name).area_mm2, kPi * 4, 0.02 * kPi * 4) << name;
-  EXPECT_EQ(domain_of(cut, {})->flat_ends().size(), 2U);
+  EXPECT_EQ(domain_of(cut)->flat_ends().size(), 2U);
 }
 
 TEST_F(SurfaceCuts, EndsThatAPlaneMadeAreCutToo) {
@@ -444,7 +451,7 @@ TEST_F(SurfaceCuts, ExtensionsKeepOffOtherVessels) {
   const MixedMesh longer = read(soup_of(hook), cuts).mesh;
   ASSERT_FALSE(told_.empty());
   EXPECT_NE(told_.front().find("in the way"), std::string::npos);
-  EXPECT_EQ(domain_of(longer, {})->flat_ends().size(), 2U);
+  EXPECT_EQ(domain_of(longer)->flat_ends().size(), 2U);
 }
 
 // The wall widens by 17 degrees: the extension bulges by 0.08 mm where a straight one would pass by.

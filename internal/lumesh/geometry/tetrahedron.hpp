@@ -18,10 +18,6 @@ namespace lumesh {
 inline constexpr std::array<std::array<int, 2>, 6> kTetEdges = {
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
-/// Vertices of the face opposite vertex f; their right-hand normal points out of a positively oriented
-/// tetrahedron.
-inline constexpr std::array<std::array<int, 3>, 4> kTetFaces = {{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-
 /// Signed volume.
 [[nodiscard]] inline double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return (b - a).cross(c - a).dot(d - a) / 6;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/core/file_use.hpp"
+#include "lumesh/core/option.hpp"
 
 namespace lumesh {
 

@@ -14,13 +14,6 @@
 
 namespace lumesh {
 
-/// Treatment of vessels side by side that touch, or are at most a voxel apart.
-enum class TouchChoice : std::uint8_t {
-  kKeep,
-  kSeparate,  ///< A layer of voxels between them becomes background.
-  kJoin,      ///< The cleft between them is filled.
-};
-
 /// A place where the object is thin, or nearly joined.
 struct ThinPlace {
   enum class Kind : std::uint8_t {
@@ -31,7 +24,6 @@ struct ThinPlace {
   Kind kind = Kind::kTouching;
   Index3 voxel = Index3::Zero();  ///< In its middle.
   std::size_t size = 0;           ///< Voxel faces that are shared, or voxels between.
-  double thickness_voxels = 0;  ///< Thickness of the neck, in smallest voxel edges; 0 if they are only near.
 };
 
 /// Largest first, within each kind. Threads: same result for every number of them. Cost: O(n log n) in the
@@ -45,9 +37,11 @@ struct VoxelsChanged {
   Index3 first = Index3::Zero();  ///< The first in memory.
 };
 
-/// Separates or joins the vessels that touch or are near. Joined ones keep their labels; voxels between them
-/// get the label that most voxels around them have.
-VoxelsChanged change_touching(TouchChoice choice, LabelImage& image);
+/// Separates the vessels that touch: a layer of voxels between them becomes background.
+VoxelsChanged separate_touching(LabelImage& image);
+/// Joins the vessels that touch or are near. They keep their labels; voxels between them get the label that
+/// most voxels around them have.
+VoxelsChanged join_touching(LabelImage& image);
 
 /// A piece of background, 26-connected, that the object encloses: it reaches neither the border of the image
 /// nor that of the object's box.

@@ -8,30 +8,6 @@
 
 namespace lumesh {
 
-[[nodiscard]] inline std::size_t grid_count(const Index3& size) {
-  return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
-         static_cast<std::size_t>(size.z());
-}
-
-/// Number of a place in a grid.
-[[nodiscard]] inline std::size_t grid_offset(const Index3& size, const Index3& at) {
-  return static_cast<std::size_t>(at.x()) +
-         static_cast<std::size_t>(size.x()) *
-             (static_cast<std::size_t>(at.y()) +
-              static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(at.z()));
-}
-
-/// The place of a grid_offset().
-[[nodiscard]] inline Index3 grid_place(const Index3& size, std::size_t offset) {
-  const auto x = static_cast<std::size_t>(size.x()), y = static_cast<std::size_t>(size.y());
-  return {static_cast<int>(offset % x), static_cast<int>(offset / x % y), static_cast<int>(offset / (x * y))};
-}
-
-/// The place of a grid that is nearest to one in or outside of it.
-[[nodiscard]] inline Index3 nearest_place(const Index3& size, const Index3& at) {
-  return at.cwiseMax(0).cwiseMin(size - Index3::Ones());
-}
-
 /// Rows along the first index, numbered as places.
 [[nodiscard]] inline std::size_t grid_row_count(const Index3& size) {
   return static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
