@@ -5,6 +5,7 @@
 #include <map>
 
 #include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/geometry/plane_view.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/triangle_intersection.hpp"
 #include "lumesh/geometry/triangle_tree.hpp"
@@ -31,38 +32,15 @@ bool on_one_side(const Signs& s) {
   return (s[0] > 0 && s[1] > 0 && s[2] > 0) || (s[0] < 0 && s[1] < 0 && s[2] < 0);
 }
 
-/// Triangles of one plane, seen along the axis on which it does not project to a line.
-class InPlane {
- public:
-  /// @param triangle  Fixes the plane. It is flat seen along every axis if it has no area.
-  explicit InPlane(const Corners& triangle) {
-    for (axis_ = 0; axis_ < 3; ++axis_) {
-      turn_ = orient2d(seen(triangle[0]), seen(triangle[1]), seen(triangle[2]));
-      if (turn_ != 0) return;
-    }
-  }
-  [[nodiscard]] bool is_flat() const { return turn_ == 0; }
-
-  /// Whether x lies to the left of (a, b), 0 on it, where the triangle of the constructor runs anticlockwise.
-  [[nodiscard]] int left_of(const Vec3& a, const Vec3& b, const Vec3& x) const {
-    return turn_ * orient2d(seen(a), seen(b), seen(x));
-  }
-
- private:
-  [[nodiscard]] Vec2 seen(const Vec3& x) const { return {x[(axis_ + 1) % 3], x[(axis_ + 2) % 3]}; }
-
-  int axis_ = 0, turn_ = 0;
-};
-
 /// The same triangle anticlockwise.
-Corners anticlockwise(const InPlane& plane, Corners t) {
+Corners anticlockwise(const PlaneView& plane, Corners t) {
   if (plane.left_of(t[0], t[1], t[2]) < 0) std::swap(t[1], t[2]);
   return t;
 }
 
 /// Closed triangles of one plane meet unless an edge of one has the whole other strictly on its right.
 bool meet_in_plane(const Corners& a, const Corners& b) {
-  const InPlane plane(a);
+  const PlaneView plane(a);
   const Corners of_a = anticlockwise(plane, a), of_b = anticlockwise(plane, b);
   const auto parted_by_edge_of = [&](const Corners& one, const Corners& other) {
     for (std::size_t k = 0; k < 3; ++k)
@@ -77,7 +55,7 @@ bool meet_in_plane(const Corners& a, const Corners& b) {
 /// Whether two triangles of one plane with the common corner a[0] == b[0] meet in more than that: an edge of
 /// one runs from the corner into the other or along its edge.
 bool meet_around_corner_in_plane(const Corners& a, const Corners& b) {
-  const InPlane plane(a);
+  const PlaneView plane(a);
   const Corners of_a = anticlockwise(plane, a), of_b = anticlockwise(plane, b);
   const auto holds_edge_of = [&](const Corners& one, const Corners& other) {
     return std::any_of(other.begin() + 1, other.end(), [&](const Vec3& x) {
@@ -116,7 +94,7 @@ bool meet_around_corner(const Corners& a, const Corners& b) {
 /// With a common edge (a[0], a[1]) they cover each other where one folds onto the other.
 bool meet_along_edge(const Corners& a, const Corners& b) {
   if (orient3d(a[0], a[1], a[2], b[2]) != 0) return false;
-  const InPlane plane(a);
+  const PlaneView plane(a);
   return plane.left_of(a[0], a[1], b[2]) > 0;
 }
 
@@ -165,7 +143,7 @@ int winding_ahead(const Corners& t, const Vec3& p) {
 }  // namespace
 
 bool has_area(const std::array<Vec3, 3>& corners) {
-  return !InPlane(corners).is_flat();
+  return PlaneView(corners).has_area();
 }
 
 std::vector<Vec3> find_doubled_places(std::span<const Vec3> points,

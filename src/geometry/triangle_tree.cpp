@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::size_t kLeafSize = 4;
 constexpr std::size_t kParallelSize = 4096;  // Smaller subtrees are built by one thread.
-constexpr int kStackSize = 64;               // A heap of 2^32 items is 32 deep and leaves one node per level.
 
 }  // namespace
 
@@ -27,15 +26,15 @@ struct TriangleTree::Builder {
   std::span<const Vec3> points;
   std::span<const std::array<std::uint32_t, 3>> triangles;
 
-  /// Splits at the median of the longest axis of the centres, down to the leaves, then boxes on the way back.
+  /// Splits at the median of the longest axis of the centres, down to the leaves.
   void build(int level, std::size_t node) const {
-    const std::size_t begin = tree.first_item(level, node), end = tree.first_item(level, node + 1);
-    const std::size_t heap = (std::size_t{1} << level) - 1 + node;
-    if (level == tree.depth_) {
-      fill_leaf(begin, end, tree.boxes_[heap]);
+    const BoxHeap& heap = tree.heap_;
+    const std::size_t begin = heap.first_item(level, node), end = heap.first_item(level, node + 1);
+    if (level == heap.depth()) {
+      fill_leaf(begin, end, tree.heap_.box_of_leaf(node));
       return;
     }
-    split(begin, tree.first_item(level + 1, 2 * node + 1), end);
+    split(begin, heap.first_item(level + 1, 2 * node + 1), end);
     const auto left = [&] { build(level + 1, 2 * node); };
     const auto right = [&] { build(level + 1, 2 * node + 1); };
     if (end - begin > kParallelSize) {
@@ -44,10 +43,6 @@ struct TriangleTree::Builder {
       left();
       right();
     }
-    Box box = tree.boxes_[2 * heap + 1];
-    box.extend(tree.boxes_[2 * heap + 2].low);
-    box.extend(tree.boxes_[2 * heap + 2].high);
-    tree.boxes_[heap] = box;
   }
 
   void split(std::size_t begin, std::size_t middle, std::size_t end) const {
@@ -78,52 +73,32 @@ struct TriangleTree::Builder {
 
 TriangleTree::TriangleTree(std::span<const Vec3> points,
                            std::span<const std::array<std::uint32_t, 3>> triangles)
-    : corners_(triangles.size()), ids_(triangles.size()) {
+    : heap_(triangles.size(), kLeafSize), corners_(triangles.size()), ids_(triangles.size()) {
   if (triangles.empty()) return;
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (const std::uint32_t v : triangles[t])
       if (v >= points.size() || !points[v].allFinite())
         throw Error(ErrorKind::kBadInput, "triangle " + std::to_string(t) + ": point " + std::to_string(v) +
                                               (v >= points.size() ? " does not exist" : " is not finite"));
-  while ((triangles.size() >> depth_) > kLeafSize) ++depth_;
-  boxes_.resize((std::size_t{2} << depth_) - 1);
   std::vector<Item> items(triangles.size());
   parallel::for_each_index(triangles.size(), [&](std::size_t i) {
     const auto& [a, b, c] = triangles[i];
     items[i] = {points[a] / 3 + points[b] / 3 + points[c] / 3, static_cast<std::uint32_t>(i)};
   });
   Builder{*this, items, points, triangles}.build(0, 0);
+  heap_.close();
 }
 
 TriangleTree::Nearest TriangleTree::nearest(const Vec3& query, double upper_bound,
                                             double relative_slack) const {
-  struct Entry {
-    double squared_distance;
-    std::size_t heap;
-  };
   Nearest best;
   if (ids_.empty()) return best;
   // What is not nearer than the bound, a part of the best so far, does not matter.
   const double share = (1 - relative_slack) * (1 - relative_slack);
   double bound = upper_bound * upper_bound, least = 0;
-  std::array<Entry, kStackSize> stack;
-  int top = 0;
-  stack[top++] = {boxes_[0].squared_distance(query), 0};
-  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
-  while (top > 0) {
-    const Entry entry = stack[--top];
-    if (entry.squared_distance > bound) continue;
-    if (entry.heap < first_leaf) {
-      Entry near{boxes_[2 * entry.heap + 1].squared_distance(query), 2 * entry.heap + 1};
-      Entry far{boxes_[2 * entry.heap + 2].squared_distance(query), 2 * entry.heap + 2};
-      if (far.squared_distance < near.squared_distance) std::swap(near, far);
-      if (far.squared_distance <= bound) stack[top++] = far;
-      if (near.squared_distance <= bound) stack[top++] = near;
-      continue;
-    }
-    const std::size_t leaf = entry.heap - first_leaf;
-    const std::size_t end = first_item(depth_, leaf + 1);
-    for (std::size_t i = first_item(depth_, leaf); i < end; ++i) {
+  heap_.visit_near(query, bound, [&](std::size_t leaf) {
+    const std::size_t end = heap_.first_item(leaf + 1);
+    for (std::size_t i = heap_.first_item(leaf); i < end; ++i) {
       const Vec3 point = closest_point_on_triangle(query, corners_[i][0], corners_[i][1], corners_[i][2]);
       const double squared = (point - query).squaredNorm();
       if (squared < bound || (squared == bound && ids_[i] < best.triangle)) {
@@ -133,35 +108,17 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& query, double upper_boun
         best.triangle = ids_[i];
       }
     }
-  }
+  });
   if (best.triangle != kNone) best.distance = std::sqrt(least);
   return best;
-}
-
-template <class Visit>
-void TriangleTree::visit_leaves(const Box& query, std::size_t first_leaf, const Visit& visit) const {
-  std::array<std::size_t, kStackSize> stack;
-  int top = 0;
-  stack[top++] = 0;
-  const std::size_t first_heap = (std::size_t{1} << depth_) - 1;
-  while (top > 0) {
-    const std::size_t heap = stack[--top];
-    if (!boxes_[heap].meets(query)) continue;
-    if (heap < first_heap) {
-      stack[top++] = 2 * heap + 2;
-      stack[top++] = 2 * heap + 1;
-    } else if (heap - first_heap >= first_leaf) {
-      visit(heap - first_heap);
-    }
-  }
 }
 
 std::vector<std::uint32_t> TriangleTree::overlapping(const Vec3& low, const Vec3& high) const {
   std::vector<std::uint32_t> found;
   if (ids_.empty()) return found;
   const Box query{low, high};
-  visit_leaves(query, 0, [&](std::size_t leaf) {
-    for (std::size_t i = first_item(depth_, leaf); i < first_item(depth_, leaf + 1); ++i)
+  heap_.visit_meeting(query, 0, [&](std::size_t leaf) {
+    for (std::size_t i = heap_.first_item(leaf); i < heap_.first_item(leaf + 1); ++i)
       if (box_of_item(i).meets(query)) found.push_back(ids_[i]);
   });
   std::ranges::sort(found);
@@ -172,15 +129,14 @@ std::vector<std::array<std::uint32_t, 2>> TriangleTree::pairs(
     const std::function<bool(std::uint32_t, std::uint32_t)>& is_wanted) const {
   using Pair = std::array<std::uint32_t, 2>;
   if (ids_.empty()) return {};
-  const std::size_t first_heap = (std::size_t{1} << depth_) - 1;
   std::vector<Pair> found =
-      parallel::collect<Pair>(std::size_t{1} << depth_, 256, [&](std::size_t leaf, std::vector<Pair>& out) {
-        const std::size_t end = first_item(depth_, leaf + 1);
-        visit_leaves(boxes_[first_heap + leaf], leaf, [&](std::size_t other) {
-          for (std::size_t i = first_item(depth_, leaf); i < end; ++i) {
+      parallel::collect<Pair>(heap_.leaves(), 256, [&](std::size_t leaf, std::vector<Pair>& out) {
+        const std::size_t end = heap_.first_item(leaf + 1);
+        heap_.visit_meeting(heap_.box_of_leaf(leaf), leaf, [&](std::size_t other) {
+          for (std::size_t i = heap_.first_item(leaf); i < end; ++i) {
             const Box box = box_of_item(i);
-            const std::size_t first = other == leaf ? i + 1 : first_item(depth_, other);
-            for (std::size_t k = first; k < first_item(depth_, other + 1); ++k) {
+            const std::size_t first = other == leaf ? i + 1 : heap_.first_item(other);
+            for (std::size_t k = first; k < heap_.first_item(other + 1); ++k) {
               const auto [low, high] = std::minmax(ids_[i], ids_[k]);
               if (box_of_item(k).meets(box) && is_wanted(low, high)) out.push_back({low, high});
             }

@@ -132,24 +132,19 @@ FaceTree::FaceTree(std::vector<VoxelFace> faces, const Vec3& spacing_mm) : half_
   faces_ = std::move(faces);
   parallel::for_each_index(faces_.size(), [&](std::size_t i) { faces_[i] = items[i].face; });
   constexpr std::size_t kLeafSize = 8;
-  while ((faces_.size() >> depth_) > kLeafSize) ++depth_;
-  const std::size_t leaves = std::size_t{1} << depth_;
-  boxes_.resize(2 * leaves - 1);
-  parallel::for_each_index(leaves, [&](std::size_t leaf) {
-    Box& box = boxes_[leaves - 1 + leaf];
-    for (std::size_t i = first_face(leaf); i < first_face(leaf + 1); ++i) {
-      const Box face = box_of(faces_[i]);
-      box.low = box.low.cwiseMin(face.low);
-      box.high = box.high.cwiseMax(face.high);
+  heap_ = BoxHeap(faces_.size(), kLeafSize);
+  parallel::for_each_index(heap_.leaves(), [&](std::size_t leaf) {
+    BoxHeap::Box& box = heap_.box_of_leaf(leaf);
+    for (std::size_t i = heap_.first_item(leaf); i < heap_.first_item(leaf + 1); ++i) {
+      const BoxHeap::Box face = box_of(faces_[i]);
+      box.extend(face.low);
+      box.extend(face.high);
     }
   });
-  for (std::size_t node = leaves - 1; node-- > 0;) {
-    boxes_[node].low = boxes_[2 * node + 1].low.cwiseMin(boxes_[2 * node + 2].low);
-    boxes_[node].high = boxes_[2 * node + 1].high.cwiseMax(boxes_[2 * node + 2].high);
-  }
+  heap_.close();
 }
 
-FaceTree::Box FaceTree::box_of(const VoxelFace& face) const {
+BoxHeap::Box FaceTree::box_of(const VoxelFace& face) const {
   const Vec3 centre =
       Vec3(face.twice_centre[0], face.twice_centre[1], face.twice_centre[2]).cwiseProduct(half_spacing_);
   Vec3 half = face.axis < 3 ? half_spacing_ : Vec3(Vec3::Zero());
@@ -159,30 +154,11 @@ FaceTree::Box FaceTree::box_of(const VoxelFace& face) const {
 
 double FaceTree::distance(const Vec3& point, double upper_bound) const {
   if (faces_.empty()) return upper_bound;
-  struct Entry {
-    std::size_t node;
-    double squared_distance;
-  };
-  std::array<Entry, 64> stack;
-  std::size_t size = 0;
   double best = upper_bound * upper_bound;
-  const std::size_t leaves = std::size_t{1} << depth_;
-  stack[size++] = {0, boxes_[0].squared_distance(point)};
-  while (size > 0) {
-    const auto [node, lower_bound] = stack[--size];
-    if (!(lower_bound < best)) continue;
-    if (node >= leaves - 1) {
-      const std::size_t leaf = node - (leaves - 1);
-      for (std::size_t i = first_face(leaf); i < first_face(leaf + 1); ++i)
-        best = std::min(best, box_of(faces_[i]).squared_distance(point));
-      continue;
-    }
-    Entry near = {2 * node + 1, boxes_[2 * node + 1].squared_distance(point)};
-    Entry far = {2 * node + 2, boxes_[2 * node + 2].squared_distance(point)};
-    if (far.squared_distance < near.squared_distance) std::swap(near, far);
-    if (far.squared_distance < best) stack[size++] = far;
-    if (near.squared_distance < best) stack[size++] = near;
-  }
+  heap_.visit_near(point, best, [&](std::size_t leaf) {
+    for (std::size_t i = heap_.first_item(leaf); i < heap_.first_item(leaf + 1); ++i)
+      best = std::min(best, box_of(faces_[i]).squared_distance(point));
+  });
   return std::sqrt(best);
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "lumesh/geometry/box_heap.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh::quality {
@@ -56,20 +57,11 @@ class FaceTree {
   [[nodiscard]] std::span<const VoxelFace> faces() const { return faces_; }
 
  private:
-  struct Box {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-    Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
-    [[nodiscard]] double squared_distance(const Vec3& p) const {
-      return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
-    }
-  };
-  [[nodiscard]] Box box_of(const VoxelFace& face) const;
-  [[nodiscard]] std::size_t first_face(std::size_t leaf) const { return (faces_.size() * leaf) >> depth_; }
+  [[nodiscard]] BoxHeap::Box box_of(const VoxelFace& face) const;
 
   std::vector<VoxelFace> faces_;
   Vec3 half_spacing_;
-  int depth_ = 0;           // Leaves are the 2^depth_ nodes of the last level.
-  std::vector<Box> boxes_;  // Heap order: node n has children 2n + 1 and 2n + 2.
+  BoxHeap heap_;
 };
 
 }  // namespace lumesh::quality

@@ -107,10 +107,8 @@ void require_no_faults(const TriangleMesh& result, const std::string& consequenc
   if (rims.empty()) return;
   surfaces::turn_outwards(turned, rims);
   const std::vector<std::uint8_t> is_opening = surfaces::rims_are_openings(turned, rims);
-  std::vector<surfaces::Rim> openings;
-  for (std::size_t r = 0; r < rims.size(); ++r)
-    if (is_opening[r] != 0) openings.push_back(std::move(rims[r]));
-  if (const std::optional<Vec3> place = surfaces::place_of_seam(openings))
+  if (const std::optional<Vec3> place = surfaces::place_of_seam(
+          rims.size(), [&](std::size_t r) { return is_opening[r] != 0 ? &rims[r] : nullptr; }))
     throw_unrepairable("two pieces of the wall end at one place, too far apart to be joined", *place);
 }
 

@@ -106,10 +106,8 @@ void warn_of_caps_within(const MixedMesh& surface, std::span<const ClosedRim> ri
 
 /// @throws Error{kBadInput} where two openings lie on each other, back to back: no vessel has them.
 void require_no_seams(std::span<const ClosedRim> closed) {
-  std::vector<surfaces::Rim> openings;
-  for (const ClosedRim& rim : closed)
-    if (rim.is_opening) openings.push_back(rim.given);
-  if (const std::optional<Vec3> place = surfaces::place_of_seam(openings))
+  if (const std::optional<Vec3> place = surfaces::place_of_seam(
+          closed.size(), [&](std::size_t r) { return closed[r].is_opening ? &closed[r].given : nullptr; }))
     throw Error(ErrorKind::kBadInput,
                 fmt::format("two pieces of the wall end at one place, {}, where their vertices do not match; "
                             "lumesh repair joins those that lie near enough to each other",

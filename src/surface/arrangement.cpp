@@ -11,6 +11,7 @@
 #include "lumesh/core/drop_marked.hpp"
 #include "lumesh/core/sort_unique.hpp"
 #include "lumesh/geometry/hilbert.hpp"
+#include "lumesh/geometry/plane_view.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/edge_key.hpp"
@@ -19,7 +20,6 @@
 #include "lumesh/surface/shells.hpp"
 #include "lumesh/surface/winding.hpp"
 #include "planar_faces.hpp"
-#include "plane_view.hpp"
 
 namespace lumesh::surfaces {
 namespace {

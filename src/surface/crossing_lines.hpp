@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "lumesh/geometry/plane_view.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/triangle_mesh.hpp"
-#include "plane_view.hpp"
 
 namespace lumesh::surfaces {
 

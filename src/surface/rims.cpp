@@ -114,11 +114,14 @@ std::vector<Rim> find_rims(const TriangleMesh& surface) {
   return rims;
 }
 
-std::optional<Vec3> place_of_seam(std::span<const Rim> openings) {
+std::optional<Vec3> place_of_seam(std::size_t count, const std::function<const Rim*(std::size_t)>& opening) {
   constexpr double kApart = 0.1, kOpposed = -0.9, kMaxRatio = 1.2;  // Of radii; cosine.
+  std::vector<const Rim*> openings;
+  for (std::size_t r = 0; r < count; ++r)
+    if (const Rim* const rim = opening(r)) openings.push_back(rim);
   for (std::size_t i = 0; i < openings.size(); ++i)
     for (std::size_t k = i + 1; k < openings.size(); ++k) {
-      const Rim &one = openings[i], &other = openings[k];
+      const Rim &one = *openings[i], &other = *openings[k];
       const double smaller = std::min(one.radius_mm, other.radius_mm);
       if (one.normal.dot(other.normal) < kOpposed &&
           (one.centre_mm - other.centre_mm).norm() < kApart * smaller &&

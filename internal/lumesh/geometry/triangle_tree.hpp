@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/geometry/box_heap.hpp"
 
 namespace lumesh {
 
@@ -50,20 +51,7 @@ class TriangleTree {
       const std::function<bool(std::uint32_t, std::uint32_t)>& is_wanted) const;
 
  private:
-  struct Box {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-    Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
-    void extend(const Vec3& p) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    [[nodiscard]] bool meets(const Box& other) const {
-      return (low.array() <= other.high.array()).all() && (high.array() >= other.low.array()).all();
-    }
-    [[nodiscard]] double squared_distance(const Vec3& p) const {
-      return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
-    }
-  };
+  using Box = BoxHeap::Box;
   struct Item;     // A triangle while the tree is being built.
   struct Builder;  // The recursive construction.
 
@@ -73,17 +61,7 @@ class TriangleTree {
     return box;
   }
 
-  /// Calls visit(leaf) for the leaves from `first_leaf` on whose boxes meet `query`.
-  template <class Visit>
-  void visit_leaves(const Box& query, std::size_t first_leaf, const Visit& visit) const;
-
-  /// First item of node `node` of `level`; the node ends where the next one begins.
-  [[nodiscard]] std::size_t first_item(int level, std::size_t node) const {
-    return (ids_.size() * node) >> level;
-  }
-
-  int depth_ = 0;                             // Leaves are the 2^depth_ nodes of the last level.
-  std::vector<Box> boxes_;                    // Heap order: node n has children 2n + 1 and 2n + 2.
+  BoxHeap heap_;
   std::vector<std::array<Vec3, 3>> corners_;  // In leaf order.
   std::vector<std::uint32_t> ids_;            // Input index of each.
 };

@@ -1,7 +1,9 @@
 #pragma once
 /// @file Rims: where a triangle surface ends, and what ends there.
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,9 +22,10 @@ namespace lumesh::surfaces {
 [[nodiscard]] Rim measured_rim(std::span<const Vec3> points, std::vector<std::uint32_t> vertices);
 
 /// The place of an opening that lies on another one, back to back, if there is one: pieces of a wall end
-/// there that do not match, as no two vessels do. @param openings  Rims whose normals point out of the
-/// object.
-[[nodiscard]] std::optional<Vec3> place_of_seam(std::span<const Rim> openings);
+/// there that do not match, as no two vessels do. @param count  Of rims. @param opening  The rim of a number,
+/// whose normal points out of the object; null if it is no opening.
+[[nodiscard]] std::optional<Vec3> place_of_seam(std::size_t count,
+                                                const std::function<const Rim*(std::size_t)>& opening);
 
 /// Turns the parts of a surface (turn_alike()) that enclose a negative volume, rims closed by fans.
 /// @param rims  Of the surface; turned with it.
