@@ -30,7 +30,6 @@ TriangleMesh extract_boundary(const TetMesh& mesh) {
   const PointNumbers numbers(in_use);
   TriangleMesh surface;
   surface.points = numbers.places(mesh.points());
-  surface.volume_points = numbers.points();
   surface.triangles.resize(faces.size());
   surface.patches.resize(faces.size());
   parallel::for_each_index(faces.size(), [&](std::size_t i) {

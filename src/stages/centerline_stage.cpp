@@ -30,7 +30,7 @@ namespace {
 
 void require_closed(const MixedMesh& surface) {
   const std::vector<surfaces::Rim> rims =
-      surfaces::find_rims({surface.points, surface.triangles, surface.triangle_patches, {}});
+      surfaces::find_rims({surface.points, surface.triangles, surface.triangle_patches});
   if (rims.empty()) return;
   throw Error(
       ErrorKind::kBadInput,

@@ -104,7 +104,7 @@ class SurfaceCutter {
   }
 
   [[nodiscard]] TriangleMesh triangles() const {
-    return {mesh_.points, mesh_.triangles, mesh_.triangle_patches, {}};
+    return {mesh_.points, mesh_.triangles, mesh_.triangle_patches};
   }
 
   void cut_off_end(const AxisPlace& place, double max_widening, CutPart goes) {

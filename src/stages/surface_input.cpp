@@ -86,7 +86,7 @@ bool may_be_opening(const ClosedRim& rim) {
 
 /// Warns of caps on a nested part: they enclose a cavity, not an opening.
 void warn_of_caps_within(const MixedMesh& surface, std::span<const ClosedRim> rims, const Context& context) {
-  TriangleMesh turned{surface.points, surface.triangles, surface.triangle_patches, {}};
+  TriangleMesh turned{surface.points, surface.triangles, surface.triangle_patches};
   const surfaces::Parts parts = surfaces::turn_alike(turned);
   if (parts.count < 2) return;
   const std::vector<surfaces::Shell> shells = surfaces::shells_of(turned.points, turned.triangles, parts);
@@ -157,7 +157,7 @@ void cap_divided_ends(MixedMesh& surface, const SurfaceInputOptions& options,
     all.insert(all.end(), ends[e].begin(), ends[e].end());
   }
   std::ranges::sort(all);
-  TriangleMesh open{surface.points, surface.triangles, surface.triangle_patches, {}};
+  TriangleMesh open{surface.points, surface.triangles, surface.triangle_patches};
   surfaces::without_triangles(open, all);
   const auto patch_count = static_cast<std::int32_t>(surface.info.patches.size());
   surfaces::ClosedSurfaceMade made =

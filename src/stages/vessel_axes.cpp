@@ -63,7 +63,7 @@ LabelImage piece_alone(const LabelImage& image, const VoxelComponent& piece) {
 
 /// The triangles of the boundary of each vessel that stands alone, with the cavities in it.
 std::vector<MixedMesh> pieces_of(const MixedMesh& mesh) {
-  TriangleMesh turned{mesh.points, {}, {}, {}};
+  TriangleMesh turned{mesh.points, {}, {}};
   for_each_patch_triangle(mesh.view(), [&](const Cell<3>& triangle, std::int32_t patch) {
     const auto number = static_cast<std::size_t>(patch);
     if (number < mesh.info.patches.size() && mesh.info.patches[number].kind == PatchKind::kInterface) return;

@@ -14,7 +14,6 @@ struct TriangleMesh {
   std::vector<Vec3> points;
   std::vector<Cell<3>> triangles;     ///< Anticlockwise seen from outside.
   std::vector<std::int32_t> patches;  ///< One per triangle; index into the patches of the mesh it came from.
-  std::vector<std::uint32_t> volume_points;  ///< Index of each point in the mesh it came from; may be empty.
 };
 
 /// The outside of the mesh. Points keep the order they have in the mesh. Parallel inside; the same for every

@@ -19,7 +19,7 @@ namespace lumesh::surfaces {
 namespace {
 
 TriangleMesh contoured_body(const fixtures::TriangleSoup& soup) {
-  return {soup.points, soup.triangles, std::vector<std::int32_t>(soup.triangles.size(), 0), {}};
+  return {soup.points, soup.triangles, std::vector<std::int32_t>(soup.triangles.size(), 0)};
 }
 
 double enclosed_volume(const Contour& contour) {

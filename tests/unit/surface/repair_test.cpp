@@ -20,7 +20,7 @@ namespace lumesh::surfaces {
 namespace {
 
 TriangleMesh mesh_of(const fixtures::TriangleSoup& soup) {
-  return {soup.points, soup.triangles, std::vector<std::int32_t>(soup.triangles.size(), 0), {}};
+  return {soup.points, soup.triangles, std::vector<std::int32_t>(soup.triangles.size(), 0)};
 }
 double diagonal_of(const TriangleMesh& surface) {
   Box3 box;
