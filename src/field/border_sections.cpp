@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "border_pieces.hpp"
+#include "lumesh/field/section_error.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::field {
@@ -32,12 +33,12 @@ constexpr double kSteadyThin = 0.3;   // over the radius in voxels: beside it, o
 constexpr double kMostChange = 0.8,
                  kMostChangeThick = 1.5;  // the second over the radius in voxels: of thick ones
 constexpr double kSteepest = 1.2;         // slope of the axis against the border's normal
-constexpr double kLayerShare = 0.55;      // of the error at the border: that in the middle of the last layer
 // A disc of radius r holds pi r^2 lattice points, with a standard deviation of about 0.82 sqrt(r).
 constexpr double kCountDeviation = 0.82, kAllowedDeviations = 1;
-constexpr double kLeastChange = 0.005;  // of a section
-constexpr double kFading = 1.2;         // of the error, a step
-constexpr double kMostShift = 0.4;      // edges of the smallest voxel, at once
+constexpr double kVariancePerLength = 0.108;  // the same of an outline's length: 0.82^2 / (2 pi)
+constexpr double kLeastChange = 0.005;        // of a section
+constexpr double kFading = 1.2;               // of the error, a step
+constexpr double kMostShift = 0.4;            // edges of the smallest voxel, at once
 
 /// Sections of one piece of the object, at the border and further in.
 class Vessel {
@@ -59,17 +60,20 @@ class Vessel {
 
   [[nodiscard]] const std::vector<PlaneSection>& cuts() const { return cuts_; }
 
-  /// By which factor the section at the border is to change; 1 if this is no vessel.
+  /// By which factor the section at the border is to change; 1 if nothing tells.
   /// @param in_layer  How many voxels of the image's last layer it has.
   [[nodiscard]] double change(double in_layer) const {
-    const std::optional<double> error = error_at_border();
-    const std::optional<PlaneSection> layer =
-        error ? finder_.find(cuts_[0].is_inside, 0.5 / window_.step, 0) : std::nullopt;
+    if (cuts_.size() <= kFirstSettled || radius() > kWidest) return 1;
+    const std::optional<PlaneSection> layer = finder_.find(cuts_[0].is_inside, 0.5 / window_.step, 0);
     if (!layer) return 1;
-    const double too_much = std::log(layer->area / (in_layer * kSquaresPerVoxel * kSquaresPerVoxel)),
-                 allowed = kAllowedDeviations * kCountDeviation * std::sqrt(radius()) / in_layer;
-    return std::exp(-std::clamp(*error, std::min(0.0, (too_much - allowed) / kLayerShare),
-                                std::max(0.0, (too_much + allowed) / kLayerShare)));
+    const double too_much = std::log(layer->area / (in_layer * kSquaresPerVoxel * kSquaresPerVoxel));
+    const double allowed = kAllowedDeviations * kCountDeviation * std::sqrt(radius()) / in_layer;
+    const double error =
+        std::clamp(error_at_border().value_or(0), std::min(0.0, (too_much - allowed) / kLayerShare),
+                   std::max(0.0, (too_much + allowed) / kLayerShare));
+    const double chance = std::sqrt(kVariancePerLength * layer->growth) / (kSquaresPerVoxel * in_layer);
+    const double change = std::log(cuts_[kFirstSettled].area / cuts_[0].area) + error;
+    return std::exp(-error - section_error(radius(), change, too_much - kLayerShare * error, chance).mean);
   }
 
  private:

@@ -242,8 +242,7 @@ void add_openings(LabelImage& image, const InputCuts& cuts, std::vector<CutPlane
       domain = extended_domain(image, planes, *domain, openings, cuts.extension, context);
       openings = find_openings(*domain);
     } else {
-      for (const std::string& doubt : doubts_about_shapes(image.frame(), *domain, openings))
-        context.warn(doubt);
+      for (const std::string& doubt : doubts_about_shapes(image, *domain, openings)) context.warn(doubt);
     }
     for (const std::string& doubt : doubts_about_sections(image, domain->cut_planes(), openings))
       context.warn(doubt);

@@ -152,7 +152,7 @@ std::vector<std::string> DomainRead::doubts_about_openings() {
   if (input_.cuts.extension.is_wanted()) return doubts;  // The others were told before the extensions.
   if (const std::string volumes = doubt_about_volumes(*image, *domain_of_image()); !volumes.empty())
     doubts.push_back(volumes);
-  for (std::string& doubt : doubts_about_shapes(image->frame(), domain(), openings()))
+  for (std::string& doubt : doubts_about_shapes(*image, domain(), openings()))
     doubts.push_back(std::move(doubt));
   return doubts;
 }

@@ -192,7 +192,7 @@ std::shared_ptr<const ImageDomain> extended_domain(LabelImage& image, std::vecto
                                           "`clip_ends`, which makes openings");
   for (const std::string& doubt : doubts_about_sections(image, domain.cut_planes(), openings))
     context.warn(doubt);
-  for (const std::string& doubt : doubts_about_shapes(image.frame(), domain, openings)) context.warn(doubt);
+  for (const std::string& doubt : doubts_about_shapes(image, domain, openings)) context.warn(doubt);
   if (const std::string doubt = doubt_about_volumes(image, domain); !doubt.empty()) context.warn(doubt);
   ExtendedImage extended =
       context.phase("extensions", [&] { return extend_openings(image, domain, openings, options); });

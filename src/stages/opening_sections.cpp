@@ -130,9 +130,12 @@ struct Voxels {
   /// By how much areas of sections, or their difference, are off by chance at most: centres of voxels within
   /// a circle of radius r have a variance of 0.676 r, and 0.085 per edge.
   [[nodiscard]] double chance_mm2(int sections_of_voxels) const {
-    constexpr double kDeviations = 2.5, kPerEdge = 0.085;
-    return kDeviations * face_mm2 *
-           std::sqrt(sections_of_voxels * kPerEdge * static_cast<double>(edge_count));
+    constexpr double kDeviations = 2.5;
+    return kDeviations * std::sqrt(sections_of_voxels) * deviation_mm2();
+  }
+  [[nodiscard]] double deviation_mm2() const {
+    constexpr double kPerEdge = 0.085;
+    return face_mm2 * std::sqrt(kPerEdge * static_cast<double>(edge_count));
   }
 
   /// Whether there are too few faces to tell the section of a vessel.
@@ -238,6 +241,39 @@ bool meet_at_edge(const Opening& a, const Opening& b) {
   return false;
 }
 
+/// A line on an opening whose area is likely to be off; none where values place the boundary, which hold it
+/// to half a voxel from the border.
+std::string doubt_of_change(const LabelImage& image, const Domain& domain, const Opening& opening,
+                            const Voxels& voxels) {
+  if (!image.crossings().empty() || !is_at_border(image.frame(), opening) || !(voxels.area_mm2 > 0))
+    return "";
+  const std::optional<SectionDoubt> doubt =
+      doubtful_change(domain, opening, {voxels.area_mm2, voxels.deviation_mm2() / voxels.area_mm2});
+  if (!doubt) return "";
+  return fmt::format(
+      "{} at {}: its section {} by {:.0f} % within the last two voxels before the border, where nothing "
+      "beyond tells how it goes on; its area may be about {:.0f} % {}; cut it further in with {} 1r",
+      opening.name, place_text(opening.centre_mm), doubt->growth > 0 ? "grows" : "shrinks",
+      100 * std::abs(doubt->growth), 100 * std::abs(doubt->error),
+      !doubt->has_sign   ? "off"
+      : doubt->error > 0 ? "too large"
+                         : "too small",
+      option_name("clip_ends"));
+}
+
+/// Voxels of each opening; calls look_at(section, opening) for all sections, whose opening may be none.
+template <class LookAt>
+std::vector<Voxels> voxels_of(const LabelImage& image, std::span<const CutPlane> cuts,
+                              std::span<const Opening> openings, const LookAt& look_at) {
+  std::vector<Voxels> of_openings(openings.size());
+  for (const BorderSection& section : border_sections(image, cuts)) {
+    const std::optional<std::size_t> opening = opening_of(section, openings);
+    if (opening) of_openings[*opening].add(section);
+    look_at(section, opening);
+  }
+  return of_openings;
+}
+
 /// The openings that are worth a boundary condition.
 std::vector<std::uint32_t> openings_at_border(const LabelImage& image, std::span<const Opening> openings) {
   std::vector<std::uint32_t> found;
@@ -301,22 +337,17 @@ std::vector<BorderSection> border_sections(const LabelImage& image, std::span<co
 
 std::vector<std::string> doubts_about_sections(const LabelImage& image, std::span<const CutPlane> cuts,
                                                std::span<const Opening> openings) {
-  std::vector<Voxels> of_openings(openings.size());
-  std::vector<std::string> sides(openings.size());
-  std::vector<std::string> doubts;
-  for (const BorderSection& section : border_sections(image, cuts)) {
-    const std::optional<std::size_t> opening = opening_of(section, openings);
-    if (opening) {
-      of_openings[*opening].add(section);
-      if (!openings[*opening].is_rim && section.is_wide())
-        if (const std::optional<SideCut> cut = find_side_cut(image, section))
-          sides[*opening] = doubt_of_side(openings[*opening], *cut);
-    } else if (section.is_wide()) {
+  std::vector<std::string> doubts, sides(openings.size());
+  const auto look_at = [&](const BorderSection& section, std::optional<std::size_t> opening) {
+    if (!section.is_wide()) return;
+    if (!opening)
       doubts.push_back(fmt::format("the section of {} voxel faces of label {} at {} is in no opening",
                                    section.centres_mm.size(), section.label,
                                    place_text(section.centre_mm())));
-    }
-  }
+    else if (const auto cut = openings[*opening].is_rim ? std::nullopt : find_side_cut(image, section))
+      sides[*opening] = doubt_of_side(openings[*opening], *cut);
+  };
+  const std::vector<Voxels> of_openings = voxels_of(image, cuts, openings, look_at);
   std::vector<const Opening*> tiny;
   for (std::size_t i = 0; i < openings.size(); ++i) {
     if (of_openings[i].area_mm2 == 0) continue;
@@ -333,11 +364,13 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   return doubts;
 }
 
-std::vector<std::string> doubts_about_shapes(const ImageFrame& frame, const Domain& domain,
+std::vector<std::string> doubts_about_shapes(const LabelImage& image, const Domain& domain,
                                              std::span<const Opening> openings) {
-  constexpr double kOfError = 0.75;  // What the section changes by, of what its area is off by.
   std::vector<std::string> doubts;
-  for (const Opening& opening : openings) {
+  const std::vector<Voxels> of_openings = voxels_of(image, domain.cut_planes(), openings,
+                                                    [](const BorderSection&, std::optional<std::size_t>) {});
+  for (std::size_t i = 0; i < openings.size(); ++i) {
+    const Opening& opening = openings[i];
     if (const std::optional<SectionWaist> waist = find_waist(domain, opening))
       doubts.push_back(fmt::format(
           "{} at {} narrows to {:.3g} mm between parts {:.3g} and {:.3g} mm wide: two vessels that touch "
@@ -345,14 +378,8 @@ std::vector<std::string> doubts_about_shapes(const ImageFrame& frame, const Doma
           "separate",
           opening.name, place_text(opening.centre_mm), waist->width_mm, waist->diameters_mm[0],
           waist->diameters_mm[1], option_name("cut_at"), option_name("touching")));
-    else if (const std::optional<double> change =
-                 is_at_border(frame, opening) ? doubtful_change(domain, opening) : std::nullopt)
-      doubts.push_back(fmt::format(
-          "{} at {}: its section {} by {:.0f} % within the last voxel before the border, as where a vessel "
-          "bends; its area may be about {:.0f} % too {}; cut it further in with {} 1r",
-          opening.name, place_text(opening.centre_mm), *change > 0 ? "grows" : "shrinks",
-          100 * std::abs(*change), 100 * std::abs(*change) / kOfError, *change > 0 ? "large" : "small",
-          option_name("clip_ends")));
+    else if (std::string doubt = doubt_of_change(image, domain, opening, of_openings[i]); !doubt.empty())
+      doubts.push_back(std::move(doubt));
   }
   return doubts;
 }

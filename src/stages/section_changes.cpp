@@ -3,20 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
+#include "lumesh/field/section_error.hpp"
 #include "section_waists.hpp"
 
 namespace lumesh {
 namespace {
 
-constexpr double kWidest = 6;  // Radius in voxels.
-constexpr double kDoubtful = 0.04,
-                 kMouth = 0.2;    // Changes within a voxel: mouths of branches change by more.
-constexpr double kSteady = 0.08;  // Change per voxel further in, of a vessel.
-constexpr double kSteps = 6;      // Squares along a voxel.
-constexpr double kMargin = 5;     // Voxels around the opening: sections further in lie beside it.
+constexpr double kWidest = 6;        // Radius in voxels: errors of wider ones are less.
+constexpr double kDoubtful = 0.085;  // Expected error of an area.
+constexpr double kSteps = 6;         // Squares along a voxel.
+constexpr double kMargin = 5;        // Voxels around the opening: sections further in lie beside it.
 
 /// The squares of an opening on a wider and coarser grid.
 OpeningSquares wider(const OpeningSquares& own, double voxel_mm) {
@@ -38,23 +36,29 @@ OpeningSquares wider(const OpeningSquares& own, double voxel_mm) {
 
 }  // namespace
 
-std::optional<double> doubtful_change(const Domain& domain, const Opening& opening) {
+std::optional<SectionDoubt> doubtful_change(const Domain& domain, const Opening& opening,
+                                            const VoxelsOfOpening& voxels) {
   if (!opening.squares || opening.is_rim || opening.is_hollow()) return std::nullopt;
-  const double voxel_mm = opening.voxel_mm;
-  if (opening.area_mm2 > std::numbers::pi * kWidest * kWidest * voxel_mm * voxel_mm) return std::nullopt;
+  const double voxel_mm = opening.voxel_mm, radius = opening.radius_mm() / voxel_mm;
+  if (radius > kWidest || !(voxels.area_mm2 > 0)) return std::nullopt;
   const OpeningSquares wide = wider(*opening.squares, voxel_mm);
-  const auto area = [&](double voxels) {
+  const double step_mm = std::max(voxel_mm, domain.resolution_along_mm(opening.normal));
+  const auto area_mm2 = [&](double steps) {
     const OpeningSquares squares =
-        section_before(domain, opening.label, wide, -voxels * voxel_mm * opening.normal);
-    return static_cast<double>(std::ranges::count(squares.is_inside, std::uint8_t{1}));
+        section_before(domain, opening.label, wide, -steps * step_mm * opening.normal);
+    return static_cast<double>(std::ranges::count(squares.is_inside, std::uint8_t{1})) * wide.step_mm *
+           wide.step_mm;
   };
   // Not at the border itself, where half of the samples are rounded to lie outside.
-  const double last = area(0.02), next = area(1), third = area(2), fifth = area(4);
-  if (!(next > 0 && third > 0 && fifth > 0)) return std::nullopt;
-  const double trend = 0.5 * (third / fifth - 1), change = last / next - 1 - trend;
-  if (std::abs(change) < kDoubtful || std::abs(change) > kMouth || std::abs(trend) > kSteady)
-    return std::nullopt;
-  return change;
+  const double last = area_mm2(0.02), layer = area_mm2(0.5), further = area_mm2(2);
+  if (!(last > 0 && layer > 0 && further > 0)) return std::nullopt;
+  const double growth = last / further - 1, too_much = std::log(layer / voxels.area_mm2);
+  if (std::abs(too_much) > field::kMostError) return std::nullopt;
+  const auto [mean, deviation] = field::section_error(radius, -std::log1p(growth), too_much, voxels.chance);
+  const double error = std::hypot(mean, deviation);
+  if (error < kDoubtful) return std::nullopt;
+  const bool has_sign = std::abs(mean) > deviation;
+  return SectionDoubt{growth, has_sign ? std::copysign(error, mean) : error, has_sign};
 }
 
 }  // namespace lumesh

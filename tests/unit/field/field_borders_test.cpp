@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -136,6 +137,41 @@ TEST(LabelField, ThinVesselsThatBendAtTheBorderKeepTheirSection) {
 /// Errors are 13 % where the outer wall alone is shifted.
 TEST(LabelField, LumensOfThinVesselsThatBendAtTheBorderKeepTheirSection) {
   EXPECT_LT(root_mean_square(errors_of_bent_vessels(2, 2.5, 1.8)), 0.08);
+}
+
+/// Errors of the sections of vessels along x, up to 20 degrees off, whose radius changes towards the border.
+/// @param radius_at  By the distance along the axis from where it meets the border, over the radius.
+template <class RadiusAt>
+std::vector<double> errors_of_changing_vessels(double thinnest, double thickest, const RadiusAt& radius_at) {
+  constexpr int kCount = 24;
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const ImageFrame frame = frame_of({36, 44, 44}, Vec3::Ones());
+  std::vector<double> errors;
+  for (int n = 0; n < kCount; ++n) {
+    const double radius = thinnest + (thickest - thinnest) * uniform(random),
+                 lean = M_PI / 180 * 20 * uniform(random), turn = 2 * M_PI * uniform(random);
+    const Vec3 end(35.5, 21 + uniform(random), 21 + uniform(random)), side(0, std::cos(turn), std::sin(turn)),
+        along = std::cos(lean) * Vec3::UnitX() + std::sin(lean) * side;
+    const auto is_inside = [&](const Vec3& p) {
+      const double at = (p - end).dot(along);
+      return (p - end - at * along).norm() < radius * radius_at(at / radius);
+    };
+    const LabelField field(image_of(frame, 1, is_inside), {});
+    const double section = section_of(is_inside, end, radius);
+    errors.push_back(section_at_border(field, end, radius, 1.5) / section - 1);
+  }
+  return errors;
+}
+
+/// Errors are 21, 11 and 24 % where the voxels of the last layer do not count.
+TEST(LabelField, VesselsThatNarrowOrWidenTowardsTheBorderHaveTheirSectionThere) {
+  const auto narrow_end = [](double at) { return 1 - 0.3 * std::exp(std::min(0.0, at / 0.8)); };
+  const auto wide_end = [](double at) { return 1 + 0.3 * std::exp(std::min(0.0, at / 0.8)); };
+  const auto throat = [](double at) { return 1 - 0.25 * std::exp(-std::pow((at + 0.8) / 1.5, 2)); };
+  EXPECT_LT(root_mean_square(errors_of_changing_vessels(2.5, 3.5, narrow_end)), 0.17);
+  EXPECT_LT(root_mean_square(errors_of_changing_vessels(2.5, 3.5, wide_end)), 0.075);
+  EXPECT_LT(root_mean_square(errors_of_changing_vessels(2.5, 3.5, throat)), 0.18);
 }
 
 TEST(LabelField, StraightVesselsThatLeaveObliquelyKeepTheirSection) {
