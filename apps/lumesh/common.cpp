@@ -102,7 +102,10 @@ void write_json(const std::string& path, const std::string& text) {
 
 CommandRun::CommandRun(const RunOptions& options)
     : limit_(options.threads), context({}, [this, command = options.command](std::string_view text) {
-        warnings_.push_back(with_flags(text, *command));
+        std::string warning = with_flags(text, *command);
+        // The first mesh of a case and its last one may deserve the same.
+        if (std::ranges::find(warnings_, warning) != warnings_.end()) return;
+        warnings_.push_back(std::move(warning));
         print_warning(warnings_.back());
       }) {
   Program& program = program_of(*options.command);

@@ -175,6 +175,9 @@ class RunTest(CaseTest):
         self.assertEqual(names, {"a.vtu", "a.msh", "a.stl", "report.html", "report.json", "effective.toml"})
         stages = [line.split()[0] for line in result.stdout.splitlines()]
         self.assertEqual(stages[:7], ["input", "centerline", "mesh", "metric", "adapted", "write", "report"])
+        warnings = [line for line in result.stderr.splitlines() if "warning: " in line]
+        self.assertEqual(sorted(warnings), sorted(set(warnings)))  # First and last mesh may have the same.
+        self.assertTrue(any("narrower in the mesh than in the voxels" in warning for warning in warnings))
         report = self.numbers()
         self.assertEqual([stage["name"] for stage in report["stages"]],
                          ["Input", "Centerline", "First mesh", "Metric", "Adapted mesh"])
