@@ -3,9 +3,13 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "foam_fields.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/write_results.hpp"
@@ -46,6 +50,12 @@ void warn_of_lost_names(const std::string& path, std::span<const Patch> patches,
       is_long ? fmt::format(" and {} more", lost.size() - kMaxTold) : "", lost.size() == 1 ? "is" : "are"));
 }
 
+bool has_faces(const MeshView& mesh, std::size_t patch) {
+  const auto number = static_cast<std::int32_t>(patch);
+  return std::ranges::find(mesh.triangle_patches, number) != mesh.triangle_patches.end() ||
+         std::ranges::find(mesh.quadrilateral_patches, number) != mesh.quadrilateral_patches.end();
+}
+
 }  // namespace
 
 void warn_of_names(const std::string& path, const MeshView& mesh, const Context& context) {
@@ -53,12 +63,19 @@ void warn_of_names(const std::string& path, const MeshView& mesh, const Context&
   if (!is_for(path, FileUse::kWordNames)) return;
   PatchWords words;
   std::vector<std::pair<std::string, std::string>> changed;
+  std::vector<FoamPatch> outer;
   for (std::size_t p = 0; p < mesh.info->patches.size(); ++p) {
     const std::string& name = mesh.info->patches[p].name;
     const std::string& word = words.add(name, fmt::format("patch_{}", p + 1));
     if (word != name) changed.emplace_back(name, word);
+    const PatchKind kind = mesh.info->patches[p].kind;
+    if (kind != PatchKind::kInterface && has_faces(mesh, p))
+      outer.push_back({word, kind == PatchKind::kWall ? "wall" : ""});
   }
   if (!changed.empty()) context.warn(path + ": " + changed_names_text(changed));
+  if (!path.ends_with(".foam")) return;
+  if (const std::string stale = stale_fields_text(path, outer); !stale.empty())
+    context.warn(path + ": " + stale);
 }
 
 void warn_of_sealed_pieces(const MeshView& mesh, const Context& context, double least_share) {

@@ -241,6 +241,20 @@ class NamesTest(ProgramTest):
             self.assertEqual(told.count('" is '), 1, told)
         self.assertNotIn("dome_wall", self.run_well("convert", odd, self.folder / "odd.vtu").stderr)
 
+    def test_start_values_of_openfoam_that_name_other_patches_are_told(self):
+        case, renamed = self.scratch("cfd/case.foam"), self.folder / "renamed.vtu"
+        (case.parent / "0").mkdir(parents=True)
+        convert = ("convert", self.inputs / "volume.vtu", case)
+        for name in ("U", "p"):
+            (case.parent / "0" / name).write_text("dimensions [0 1 -1 0 0 0 0];\nboundaryField // of the tube\n{\n" + "".join(
+                f"    {patch}\n    {{\n        type zeroGradient; value {{ a 1; }}\n    }}\n" for patch in ("wall", "inlet_a", "outlet_b")) + "}\n")
+        self.assertNotIn("no entry", self.run_well(*convert).stderr)
+        self.run_well("rename", self.inputs / "volume.vtu", "-o", renamed, "--name", "outlet_b=ica")
+        told = self.run_well("convert", renamed, case).stderr
+        self.assertIn("case.foam: 0/U, 0/p have no entry for ica, but for outlet_b, which no patch has", told)
+        (case.parent / "0/U").write_text('boundaryField { ".*" { type zeroGradient; } }')
+        self.assertIn("0/p has no entry for ica", self.run_well("convert", renamed, case).stderr)
+
     def test_models_of_simvascular_keep_their_face_ids(self):
         models = sorted(TAGGED.glob("*.vtp")) if TAGGED.is_dir() else []
         if not models:
