@@ -72,7 +72,7 @@ TEST(Openings, HaveTheVesselsSectionInEveryMesherAtEverySize) {
   RecordProperty("seed", static_cast<int>(kSeed));
   std::mt19937_64 random(kSeed);
   // The section of the voxels themselves strays from the tube's, the more the thinner that is.
-  for (const auto& [radius, of_tube] : {std::pair{1.5, 0.1}, {2.0, 0.055}, {3.0, 0.025}, {6.0, 0.015}}) {
+  for (const auto& [radius, of_tube] : {std::pair{1.5, 0.1}, {2.0, 0.055}, {3.0, 0.03}, {6.0, 0.015}}) {
     for (int place = 0; place < 2; ++place) {
       const Tube tube = random_tube(radius, random);
       SCOPED_TRACE("radius " + std::to_string(radius) + ", tube " + std::to_string(place));
