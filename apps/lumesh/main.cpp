@@ -60,26 +60,49 @@ void check_command(const CLI::App& program, const std::string& word) {
       fmt::format("{} (commands: {})", unknown_text("command", word, known), fmt::join(known, ", ")));
 }
 
-/// Message on words that the parser refuses. Whatever else it misses, an unknown option goes first: a
-/// required one may be missing for being misspelt. Numbers below 0 are values.
-std::string message_of(const CLI::ParseError& error, const CLI::App& program,
-                       std::span<const char* const> words) {
-  const std::vector<CLI::App*> commands = program.get_subcommands();
-  const CLI::App& command = commands.empty() ? program : *commands.front();
-  const std::string help = fmt::format(" (lumesh {}--help lists those there are)",
-                                       commands.empty() ? "" : command.get_name() + " ");
+/// Options among the words that a command does not have, each once. Numbers below 0 are values.
+std::vector<std::string> unknown_options(const CLI::App& command, std::span<const char* const> words) {
+  std::vector<std::string> unknown;
   for (const std::string word : words) {
     if (word == "--") break;
     if (word.size() < 2 || word[0] != '-' ||
         std::string_view("0123456789.").find(word[1]) != std::string::npos)
       continue;
     const std::string name = word.substr(0, word.starts_with("--") ? word.find('=') : 2);
-    if (command.get_option_no_throw(name) != nullptr) continue;
-    std::vector<std::string> known;
-    for (const CLI::Option* option : command.get_options())
-      for (const std::string& long_name : option->get_lnames())
-        if (name.size() > 2) known.push_back("--" + long_name);  // Every letter is like another one.
-    return unknown_text("option", name, known) + help;
+    if (command.get_option_no_throw(name) == nullptr && std::ranges::find(unknown, name) == unknown.end())
+      unknown.push_back(name);
+  }
+  return unknown;
+}
+
+/// Long options, of which one may have been meant; every letter is like another one.
+std::vector<std::string> names_like(const CLI::App& command, const std::string& name) {
+  std::vector<std::string> known;
+  if (name.size() <= 2) return known;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& long_name : option->get_lnames()) known.push_back("--" + long_name);
+  return known;
+}
+
+/// Message on words that the parser refuses. Whatever else it misses, unknown options go first, all of them:
+/// a required one may be missing for being misspelt.
+std::string message_of(const CLI::ParseError& error, const CLI::App& program,
+                       std::span<const char* const> words) {
+  const std::vector<CLI::App*> commands = program.get_subcommands();
+  const CLI::App& command = commands.empty() ? program : *commands.front();
+  const std::string help = fmt::format(" (lumesh {}--help lists those there are)",
+                                       commands.empty() ? "" : command.get_name() + " ");
+  const std::vector<std::string> unknown = unknown_options(command, words);
+  if (unknown.size() == 1)
+    return unknown_text("option", unknown.front(), names_like(command, unknown.front())) + help;
+  if (!unknown.empty()) {
+    std::vector<std::string> texts;
+    for (const std::string& name : unknown) {
+      const std::string nearest = lumesh::nearest_word(name, names_like(command, name));
+      texts.push_back(nearest.empty() ? fmt::format("\"{}\"", name)
+                                      : fmt::format("\"{}\" (did you mean \"{}\"?)", name, nearest));
+    }
+    return fmt::format("unknown options {}", fmt::join(texts, ", ")) + help;
   }
   const std::vector<std::string> extra = program.remaining(true);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || extra.empty()) return error.what();

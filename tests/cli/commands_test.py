@@ -118,6 +118,8 @@ class OptionsTest(CommandTest):
                 self.assert_refused(self.run_lumesh(*words), USAGE, f'unknown option "{wrong}"; did you mean "{right}"?', "--help")
         for words, message in ((["adapt", "p.vtu", "-o", "o.vtu", "--bogus", 3], 'unknown option "--bogus" (lumesh adapt --help'),
                                (["adapt", "p.vtu", "-o", "o.vtu", "-z"], 'unknown option "-z"'),
+                               (["lattice", "p.nrrd", "--outpt", "o.vtu", "--bogus", "-z", "--bogus"],
+                                'unknown options "--outpt" (did you mean "--output"?), "--bogus", "-z" (lumesh lattice --help'),
                                (["adapt", "a.vtu", "b.vtu", "c.vtu", "-o", "d.vtu"], 'unexpected argument "b.vtu"'),
                                (["lattice", "p.nrrd", "-o", "o.vtu", "--max-tetrahedra"], "--max-tetrahedra: 1 required"),
                                (["lattice", "p.nrrd"], "--output is required")):
