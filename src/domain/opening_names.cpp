@@ -1,5 +1,8 @@
 #include "opening_names.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -9,36 +12,48 @@
 namespace lumesh {
 namespace {
 
+/// Calls visit(x) for the centres of an opening's squares that are in a box or less than a voxel beside it.
+template <class Visit>
+void for_each_square_in(const Box3& box_mm, const Opening& opening, const Visit& visit) {
+  const OpeningSquares& part = *opening.squares;
+  const double margin_mm = 2 * opening.voxel_mm;
+  std::array<int, 2> first, last;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const Vec3& along = axis == 0 ? part.u : part.v;
+    const double middle = along.dot(box_mm.center() - part.first_mm),
+                 half = 0.5 * along.cwiseAbs().dot(box_mm.sizes()) + margin_mm;
+    const int count = axis == 0 ? part.columns : part.rows;
+    first[axis] = static_cast<int>(std::clamp(std::floor((middle - half) / part.step_mm), 0.0, 1.0 * count));
+    last[axis] = static_cast<int>(std::clamp(std::ceil((middle + half) / part.step_mm), -1.0, count - 1.0));
+  }
+  for (int row = first[1]; row <= last[1]; ++row)
+    for (int column = first[0]; column <= last[0]; ++column)
+      if (part.hold(column, row)) visit(part.centre_of(column, row));
+}
+
 /// Whether squares of one opening are within a voxel of the other's.
 bool lies_beside(const Opening& own, const Opening& other) {
-  if (own.box_mm.exteriorDistance(other.box_mm) > 2 * own.voxel_mm) return false;
-  const OpeningSquares& part = *other.squares;
-  const Vec3 u = own.normal.unitOrthogonal(), v = own.normal.cross(u);
-  for (int row = 0; row < part.rows; ++row)
-    for (int column = 0; column < part.columns; ++column) {
-      if (!part.hold(column, row)) continue;
-      const Vec3 x = part.centre_of(column, row);
-      for (const Vec3& step : {u, v})
-        if (own.squares->hold(x + own.voxel_mm * step) || own.squares->hold(x - own.voxel_mm * step))
-          return true;
-    }
-  return false;
+  const OpeningSquares& squares = *own.squares;
+  bool found = false;
+  for_each_square_in(own.box_mm, other, [&](const Vec3& x) {
+    for (const Vec3& step : {squares.u, squares.v})
+      found = found || squares.hold(x + own.voxel_mm * step) || squares.hold(x - own.voxel_mm * step);
+  });
+  return found;
 }
 
 /// Area of an opening in the holes of another one.
-double area_in_holes_mm2(const OpeningSquares& own, const PiecesAround& around, const OpeningSquares& part) {
-  double area_mm2 = 0;
-  for (int row = 0; row < part.rows; ++row)
-    for (int column = 0; column < part.columns; ++column) {
-      if (part.is_inside[part.square(column, row)] == 0) continue;
-      const auto square = own.square_at(part.centre_of(column, row));
-      if (!square) continue;
-      const std::size_t columns = static_cast<std::size_t>(own.columns);
-      const std::uint32_t piece =
-          around.at(static_cast<int>(*square % columns), static_cast<int>(*square / columns));
-      area_mm2 += piece > PiecesAround::kOutside ? part.step_mm * part.step_mm : 0;
-    }
-  return area_mm2;
+double area_in_holes_mm2(const Opening& own, const PiecesAround& around, const Opening& other) {
+  const std::size_t columns = static_cast<std::size_t>(own.squares->columns);
+  std::size_t count = 0;
+  for_each_square_in(own.box_mm, other, [&](const Vec3& x) {
+    const auto square = own.squares->square_at(x);
+    if (!square) return;
+    const std::uint32_t piece =
+        around.at(static_cast<int>(*square % columns), static_cast<int>(*square / columns));
+    count += piece > PiecesAround::kOutside ? 1U : 0U;
+  });
+  return static_cast<double>(count) * other.squares->step_mm * other.squares->step_mm;
 }
 
 /// Names of one kind, with the label where they are of several, for those that have none.
@@ -79,7 +94,8 @@ std::vector<OpeningNeighbours> neighbours_in_plane(std::span<const Opening> open
     const PiecesAround around(*own.squares);
     for (const Opening& other : openings) {
       if (other.label == own.label || !other.squares) continue;
-      const double area_mm2 = area_in_holes_mm2(*own.squares, around, *other.squares);
+      if (own.box_mm.exteriorDistance(other.box_mm) > 2 * own.voxel_mm) continue;
+      const double area_mm2 = area_in_holes_mm2(own, around, other);
       all[i].surrounded_mm2 += area_mm2;
       if (area_mm2 > 0) all[i].surrounded.insert(other.label);
       if (lies_beside(own, other)) all[i].beside.insert(other.label);

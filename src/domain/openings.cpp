@@ -138,7 +138,8 @@ class PlaneOpenings {
     }
     std::vector<std::size_t> order(squares.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    // The largest first: fine grids end a voxel around their parts.
+    // The largest first: the fine grid of a part ends a voxel around it, and where parts are one on it, the
+    // smaller one would be measured with what of the larger one happens to lie there.
     std::ranges::stable_sort(
         order, [&](std::size_t a, std::size_t b) { return squares[a].size() > squares[b].size(); });
     std::map<std::size_t, Opening> by_part;

@@ -80,7 +80,7 @@ class Vessel {
   /// Logarithm of the section at the border, over that of the sections further in; none if they are not those
   /// of a vessel.
   [[nodiscard]] std::optional<double> error_at_border() const {
-    if (!is_long_ || radius() > kWidest || squared_slopes_[0] > kSteepest * kSteepest) return std::nullopt;
+    if (!is_long_ || squared_slopes_[0] > kSteepest * kSteepest) return std::nullopt;
     const double last = square_to_axis(0), first = square_to_axis(kFirstSettled),
                  middle = square_to_axis(kLastSettled), deepest = square_to_axis(kDeepest);
     const double trend = (first - deepest) / (kDeepest - kFirstSettled),

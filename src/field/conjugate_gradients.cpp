@@ -13,7 +13,8 @@ namespace {
 // Of the finest level's part of the preconditioner, Q (1 + kCoupling N) Q with Q^2 = kFinest / diagonal,
 // where N adds up the six voxels beside one: the differences cost functions that change from voxel to voxel
 // up to 200 times as much as those that the next level has, which the diagonal alone cannot tell. Below 1/6
-// it is positive definite. With the diagonal alone solves take half as many iterations again.
+// it is positive definite. With the diagonal alone solves take twice the iterations; both numbers are those
+// that leave fewest on the carotid phantom and on balls.
 constexpr float kFinest = 3, kCoupling = 0.15F;
 
 /// root: Q, from the estimated diagonal. `mass` holds the weights of single voxels, without the holds at

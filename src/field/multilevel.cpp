@@ -228,8 +228,11 @@ Multilevel::Level::Level(const SegmentGrid& fine)
     : transfer(fine),
       residual(transfer.coarse().end()),
       correction(transfer.coarse().end()),
-      inverse(transfer.coarse().end()),
-      beside(static_cast<std::size_t>(transfer.coarse().end())) {
+      inverse(transfer.coarse().end()) {}
+
+void Multilevel::Level::find_beside() {
+  if (!beside.empty()) return;
+  beside.resize(static_cast<std::size_t>(transfer.coarse().end()));
   const SegmentGrid& grid = transfer.coarse();
   parallel::for_each_index(beside.size() - 1, [&](std::size_t i) {
     const SegmentPlace& p = grid.place(static_cast<int>(i) + 1);
@@ -268,6 +271,7 @@ void Multilevel::set_energy(const LaneArray& diagonal, float whole, const LaneAr
     const Level* const finer = l == 0 ? nullptr : &levels_[static_cast<std::size_t>(l - 1)];
     level.transfer.restrict_to_coarse(finer == nullptr ? mass : finer->residual, level.residual);
     level.transfer.restrict_to_coarse(finer == nullptr ? diagonal : finer->correction, level.correction);
+    level.find_beside();
     const double spacing = std::exp2(l + 1);
     const double whole_spline = static_cast<double>(whole) * std::pow(spacing, 3);  // What it sums up to.
     const auto energy =

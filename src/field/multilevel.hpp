@@ -41,7 +41,8 @@ class Transfer {
   std::vector<std::int32_t> offset_;                  // by fine segment: into half_way_, in floats
 };
 
-/// The band's own grid is level 0, which takes the diagonal; on level l a B-spline's energy stands for it.
+/// Coarse levels of a preconditioner: on level l the energy of a B-spline stands for the diagonal. The band's
+/// own grid is level 0, which the solver itself treats.
 class Multilevel {
  public:
   static constexpr int kLevels = 5;
@@ -57,7 +58,8 @@ class Multilevel {
   /// @param edges  Of a voxel.
   void set_energy(const LaneArray& diagonal, float whole, const LaneArray& mass, double third, double second,
                   const Vec3& edges);
-  /// Starts z = M r: afterwards correction() gives the coarse levels' part. Returns r . z of that part.
+  /// Starts z = M r: afterwards finest().load_fine() gives the coarse levels' part. Returns r . z of that
+  /// part.
   double precondition(const LaneArray& residual);
   [[nodiscard]] const Transfer& finest() const { return levels_.front().transfer; }
 
@@ -69,9 +71,10 @@ class Multilevel {
  private:
   struct Level {
     explicit Level(const SegmentGrid& fine);
+    void find_beside();
     Transfer transfer;
     LaneArray residual, correction, inverse;
-    /// By segment: those beside it, before and after along x, y and z.
+    /// By segment: those beside it, before and after along x, y and z. Windows alone do without.
     std::vector<std::array<std::int32_t, 6>> beside;
   };
   void smooth(const LaneArray& values, int levels, LaneArray& out);

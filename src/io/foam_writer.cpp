@@ -184,7 +184,7 @@ class FoamWriter {
     if (patch == kNoPatch) return words.add("unnamed", "");
     const auto index = static_cast<std::size_t>(patch);
     const auto& patches = mesh_.info->patches;
-    return words.add(index < patches.size() ? patches[index].name : "", fmt::format("patch_{}", patch));
+    return words.add(index < patches.size() ? patches[index].name : "", fmt::format("patch_{}", patch + 1));
   }
 
   [[nodiscard]] std::string_view type_of(std::int32_t patch) const {

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
 #include "foam_fields.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "lumesh/core/write_results.hpp"
 #include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/patch_names.hpp"
@@ -73,7 +75,9 @@ void warn_of_names(const std::string& path, const MeshView& mesh, const Context&
       outer.push_back({word, kind == PatchKind::kWall ? "wall" : ""});
   }
   if (!changed.empty()) context.warn(path + ": " + changed_names_text(changed));
-  if (!path.ends_with(".foam")) return;
+  if (lower_case(std::filesystem::path(path).extension().string()) != ".foam") return;
+  if (words.contains("wall"))  // Then walls have no group of this name.
+    for (FoamPatch& patch : outer) patch.group.clear();
   if (const std::string stale = stale_fields_text(path, outer); !stale.empty())
     context.warn(path + ": " + stale);
 }

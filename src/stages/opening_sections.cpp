@@ -127,15 +127,13 @@ struct Voxels {
     constexpr double kGrowth = 0.25;
     return next_area_mm2 - area_mm2 > kGrowth * area_mm2 + chance_mm2(2);
   }
-  /// By how much areas of sections, or their difference, are off by chance at most: centres of voxels within
-  /// a circle of radius r have a variance of 0.676 r, and 0.085 per edge.
+  /// By how much areas of sections, or their difference, are off by chance at most.
   [[nodiscard]] double chance_mm2(int sections_of_voxels) const {
     constexpr double kDeviations = 2.5;
     return kDeviations * std::sqrt(sections_of_voxels) * deviation_mm2();
   }
   [[nodiscard]] double deviation_mm2() const {
-    constexpr double kPerEdge = 0.085;
-    return face_mm2 * std::sqrt(kPerEdge * static_cast<double>(edge_count));
+    return face_mm2 * deviation_of_count(static_cast<double>(edge_count));
   }
 
   /// Whether there are too few faces to tell the section of a vessel.
@@ -173,7 +171,7 @@ std::string doubt_of_side(const Opening& opening, const SideCut& cut) {
       "end of a vessel; cut vessels where they are whole with {} or {}, or take an image that holds all of "
       "it",
       opening.name, place_text(opening.centre_mm),
-      cut.grows() ? fmt::format("grows by {:.0f} %", 100 * (cut.share - 1))
+      cut.grows() ? fmt::format("grows by {:.0f} % or more", 100 * (cut.share - 1))
                   : fmt::format("shrinks to {:.0f} %", 100 * cut.share),
       cut.depth_mm,
       cut.grows() ? "the side of a bend or a sac, or a mouth"
@@ -344,7 +342,7 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
       doubts.push_back(fmt::format("the section of {} voxel faces of label {} at {} is in no opening",
                                    section.centres_mm.size(), section.label,
                                    place_text(section.centre_mm())));
-    else if (const auto cut = openings[*opening].is_rim ? std::nullopt : find_side_cut(image, section))
+    else if (const auto cut = openings[*opening].is_rim ? std::nullopt : find_side_cut(image, cuts, section))
       sides[*opening] = doubt_of_side(openings[*opening], *cut);
   };
   const std::vector<Voxels> of_openings = voxels_of(image, cuts, openings, look_at);
@@ -352,7 +350,11 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   for (std::size_t i = 0; i < openings.size(); ++i) {
     if (of_openings[i].area_mm2 == 0) continue;
     std::string doubt = doubt_of(openings[i], of_openings[i], openings);
-    if (!sides[i].empty()) doubt = std::move(sides[i]);  // Says more than that its area is uncertain.
+    if (!sides[i].empty()) {
+      // Says more than that its area is uncertain.
+      if (of_openings[i].sections > 1) doubts.push_back(std::move(doubt));
+      doubt = std::move(sides[i]);
+    }
     if (doubt.empty()) continue;
     if (of_openings[i].is_tiny())
       tiny.push_back(&openings[i]);

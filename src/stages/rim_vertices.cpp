@@ -49,10 +49,10 @@ struct RimmedPatch {
 };
 
 /// Looks at a domain from places of a plane.
-class PlaneView {
+class RimPlane {
  public:
   /// @param normal  Unit, out of the object.
-  PlaneView(const Domain& domain, Label label, const Vec3& normal)
+  RimPlane(const Domain& domain, Label label, const Vec3& normal)
       : domain_(domain), label_(label), normal_(normal), first_(normal.unitOrthogonal()) {}
 
   /// Distance from a place to where the label ends, no more than a quarter of the resolution too small; 0 if
@@ -98,7 +98,7 @@ class PlaneView {
 std::string note_on(const Patch& patch, const RimmedPatch& triangles, std::span<const Vec3> points,
                     const TrianglesAt& of_label, const Domain& domain) {
   constexpr double kOff = 0.5;  // Resolutions.
-  const PlaneView view(domain, patch.labels[0], triangles.sum.normal.normalized());
+  const RimPlane view(domain, patch.labels[0], triangles.sum.normal.normalized());
   const double radius_mm = circle_radius(triangles.sum.area);
   std::size_t count = 0;
   double worst_mm = 0;

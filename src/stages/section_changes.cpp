@@ -49,8 +49,9 @@ std::optional<SectionDoubt> doubtful_change(const Domain& domain, const Opening&
     return static_cast<double>(std::ranges::count(squares.is_inside, std::uint8_t{1})) * wide.step_mm *
            wide.step_mm;
   };
+  const double half_voxel = 0.5 * domain.resolution_along_mm(opening.normal) / step_mm;
   // Not at the border itself, where half of the samples are rounded to lie outside.
-  const double last = area_mm2(0.02), layer = area_mm2(0.5), further = area_mm2(2);
+  const double last = area_mm2(0.02), layer = area_mm2(half_voxel), further = area_mm2(2);
   if (!(last > 0 && layer > 0 && further > 0)) return std::nullopt;
   const double growth = last / further - 1, too_much = std::log(layer / voxels.area_mm2);
   if (std::abs(too_much) > field::kMostError) return std::nullopt;

@@ -1,6 +1,7 @@
 #include "side_cuts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -12,15 +13,16 @@ namespace {
 
 constexpr double kGrowthDepth = 0.35, kEndDepth = 1.05;  // In radii of the circle of the section's area.
 constexpr double kMostGrowth = 1.4, kLeastLeft = 0.2;
-constexpr double kMinRadius = 2;  // Voxels.
-// Centres of voxels within an outline vary by 0.085 per edge of it.
-constexpr double kPerEdge = 0.085, kDeviations = 2.5;
+constexpr double kMinRadius = 2;           // Voxels.
+constexpr std::size_t kMostOfSection = 8;  // Areas beyond this many of the section's are tissue, no vessel.
+constexpr double kDeviations = 2.5;
 
 /// The object's squares in one layer of the image after the other, from a section at the border on: of each
-/// layer those that hang together with the ones before.
+/// layer those that hang together with the ones before, as long as they are a vessel's.
 class LayersBehind {
  public:
-  LayersBehind(const LabelImage& image, const BorderSection& section) : image_(image) {
+  LayersBehind(const LabelImage& image, std::span<const CutPlane> cuts, const BorderSection& section)
+      : image_(image), cuts_(cuts), limit_(kMostOfSection * section.centres_mm.size()) {
     const ImageFrame& frame = image.frame();
     (frame.direction.transpose() * section.normal).cwiseAbs().maxCoeff(&axis_);
     is_last_ = frame.direction.col(axis_).dot(section.normal) > 0;
@@ -34,16 +36,28 @@ class LayersBehind {
     }
   }
   [[nodiscard]] std::size_t area() const { return squares_.size(); }
+  [[nodiscard]] bool is_of_tissue() const { return squares_.size() > limit_; }
   [[nodiscard]] double step_mm() const { return image_.frame().spacing_mm[axis_]; }
   [[nodiscard]] double square_mm2() const {
     return image_.frame().spacing_mm[u_] * image_.frame().spacing_mm[v_];
   }
   /// Whether the image has another layer.
   [[nodiscard]] bool has_next() const { return layer_ + 1 < image_.frame().size[axis_]; }
-  [[nodiscard]] bool reaches_other_faces() const {
-    return std::ranges::any_of(squares_, [&](std::size_t square) {
+  /// How many of the four other faces of the image the squares reach.
+  [[nodiscard]] int count_other_faces() const {
+    std::array<bool, 4> reached = {};
+    for (const std::size_t square : squares_) {
       const std::size_t column = square % columns_;
-      return column == 0 || column + 1 == columns_ || square < columns_ || square + columns_ >= is_in_.size();
+      reached[0] |= column == 0, reached[1] |= column + 1 == columns_;
+      reached[2] |= square < columns_, reached[3] |= square + columns_ >= is_in_.size();
+    }
+    return static_cast<int>(std::ranges::count(reached, true));
+  }
+  /// Whether a cut plane leaves out any of the squares.
+  [[nodiscard]] bool are_cut() const {
+    return std::ranges::any_of(squares_, [&](std::size_t square) {
+      const Vec3 centre_mm = image_.frame().to_physical(voxel(square, layer_).cast<double>());
+      return std::ranges::any_of(cuts_, [&](const CutPlane& cut) { return cut.beyond_mm(centre_mm) > 0; });
     });
   }
   /// How many squares of the object there are in the layer at the border where this layer has its own: two
@@ -61,15 +75,18 @@ class LayersBehind {
   }
 
  private:
-  [[nodiscard]] bool is_object(std::size_t square, int layer) const {
+  [[nodiscard]] Index3 voxel(std::size_t square, int layer) const {
     Index3 at;
     at[axis_] = is_last_ ? image_.frame().size[axis_] - 1 - layer : layer;
     at[u_] = static_cast<int>(square % columns_), at[v_] = static_cast<int>(square / columns_);
-    return image_.at(at) != 0;
+    return at;
+  }
+  [[nodiscard]] bool is_object(std::size_t square, int layer) const {
+    return image_.at(voxel(square, layer)) != 0;
   }
   void enter(std::size_t start) {
     flood_squares(columns_, is_in_.size(), start, [&](std::size_t square) {
-      if (is_in_[square] != 0 || !is_object(square, layer_)) return false;
+      if (is_in_[square] != 0 || is_of_tissue() || !is_object(square, layer_)) return false;
       is_in_[square] = 1;
       squares_.push_back(square);
       return true;
@@ -77,6 +94,8 @@ class LayersBehind {
   }
 
   const LabelImage& image_;
+  std::span<const CutPlane> cuts_;
+  std::size_t limit_;
   int axis_ = 0, u_ = 1, v_ = 2, layer_ = 0;
   bool is_last_ = false;
   std::size_t columns_ = 0;
@@ -86,23 +105,31 @@ class LayersBehind {
 
 }  // namespace
 
-std::optional<SideCut> find_side_cut(const LabelImage& image, const BorderSection& section) {
-  LayersBehind layers(image, section);
+std::optional<SideCut> find_side_cut(const LabelImage& image, std::span<const CutPlane> cuts,
+                                     const BorderSection& section) {
+  LayersBehind layers(image, cuts, section);
   const auto area = static_cast<double>(layers.area());
   const double radius_mm = std::sqrt(area * layers.square_mm2() / std::numbers::pi);
   if (radius_mm < kMinRadius * std::max(layers.step_mm(), std::sqrt(layers.square_mm2())))
     return std::nullopt;
-  const bool is_at_edge = layers.reaches_other_faces();
-  const double chance = kDeviations * std::sqrt(2 * kPerEdge * static_cast<double>(section.edge_count));
+  const int other_faces = layers.count_other_faces();
+  if (layers.is_of_tissue() || other_faces == 4) return std::nullopt;
+  // That of two sections; there are no fewer edges around one than around a disc.
+  const double edges =
+                   std::max(static_cast<double>(section.edge_count), 8 * std::sqrt(area / std::numbers::pi)),
+               chance = kDeviations * std::sqrt(2.0) * deviation_of_count(edges);
   double depth_mm = 0;
   while (depth_mm < kEndDepth * radius_mm && layers.has_next()) {
     layers.go_on();
+    if (layers.are_cut()) return std::nullopt;
     depth_mm += layers.step_mm();
-    const double now = static_cast<double>(layers.area()), share = now / area;
+    const auto now = static_cast<double>(layers.area());
     const bool is_near = depth_mm <= std::max(kGrowthDepth * radius_mm, layers.step_mm());
     const double of_all = std::max(area, static_cast<double>(layers.area_at_border()));
-    if (is_near && !is_at_edge && now - chance > kMostGrowth * of_all) return SideCut{depth_mm, share};
-    if (now + chance < kLeastLeft * area) return SideCut{depth_mm, share};
+    if (is_near && other_faces == 0 && now - chance > kMostGrowth * of_all)
+      return SideCut{depth_mm, now / of_all};
+    if (layers.is_of_tissue()) return std::nullopt;
+    if (now + chance < kLeastLeft * area) return SideCut{depth_mm, now / area};
   }
   return std::nullopt;
 }

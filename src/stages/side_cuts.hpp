@@ -2,6 +2,7 @@
 // Sections at the image's border that are no ends of vessels: what the border cuts along its side.
 
 #include <optional>
+#include <span>
 
 #include "lumesh/stages/opening_sections.hpp"
 
@@ -10,7 +11,7 @@ namespace lumesh {
 /// How the object goes on behind a section.
 struct SideCut {
   double depth_mm = 0;  ///< Up to which it was followed.
-  double share = 0;     ///< Its area there over that of the section.
+  double share = 0;     ///< Its area there, at least, over that at the border.
 
   [[nodiscard]] bool grows() const { return share > 1; }
 };
@@ -18,8 +19,11 @@ struct SideCut {
 /// Follows the object, all labels alike, from a section into the image, parallel to the border. A vessel
 /// keeps its section over a radius (of the circle of the same area), whatever the angle it leaves at; a
 /// vessel that the border cuts along its length ends within that, and what is cut off the side of a bend or a
-/// sac, or a vessel where it joins a wider one, grows within a third of it. None where neither is so, or
-/// where voxels are too few to tell.
-[[nodiscard]] std::optional<SideCut> find_side_cut(const LabelImage& image, const BorderSection& section);
+/// sac, or a vessel where it joins a wider one, grows within 0.35 of it, or a voxel. None where neither is
+/// so, where voxels are too few to tell, where a cut plane leaves out what is followed, and for tissue, which
+/// reaches all faces of the image around it or is more than eight times as large as the section. Cost: up to
+/// eight times the voxels of the section, a radius deep.
+[[nodiscard]] std::optional<SideCut> find_side_cut(const LabelImage& image, std::span<const CutPlane> cuts,
+                                                   const BorderSection& section);
 
 }  // namespace lumesh

@@ -1,6 +1,7 @@
 #pragma once
 /// @file Openings at the image's border against the voxels there.
 
+#include <cmath>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +27,13 @@ struct BorderSection {
   [[nodiscard]] bool is_wide() const { return centres_mm.size() >= 8; }
 };
 
+/// Standard deviation of how many centres of voxels an outline of so many edges of voxels holds, by chance:
+/// 0.676 r in circles of radius r, 0.085 per edge.
+[[nodiscard]] inline double deviation_of_count(double edges) {
+  constexpr double kPerEdge = 0.085;
+  return std::sqrt(kPerEdge * edges);
+}
+
 /// Sections, without what lies beyond cuts. Cost: linear in the faces of the border.
 [[nodiscard]] std::vector<BorderSection> border_sections(const LabelImage& image,
                                                          std::span<const CutPlane> cuts);
@@ -37,8 +45,10 @@ struct BorderSection {
 /// voxel, as a wall along the border does; or joined from separate sections; for sections of at least 8 faces
 /// that are in no opening; for sections of hollow walls; and for openings in two or three faces of the image
 /// that one vessel leaves through their edge. Smooth sections and voxels differ by less, measured on oblique
-/// cylinders of 1.5 to 20 voxels in radius.
-/// @param cuts  What lies beyond them is left out. Cost: linear in the faces of the border.
+/// cylinders of 1.5 to 20 voxels in radius. For openings that are no ends of vessels, but cut along one or
+/// off the side of one, instead of lines on their areas.
+/// @param cuts  What lies beyond them is left out. Cost: linear in the faces of the border and, for each of
+/// its sections, in up to eight times its faces, a radius deep.
 [[nodiscard]] std::vector<std::string> doubts_about_sections(const LabelImage& image,
                                                              std::span<const CutPlane> cuts,
                                                              std::span<const Opening> openings);

@@ -130,7 +130,7 @@ double root_mean_square(std::span<const double> values) {
 /// Errors are 21, 10 and 5 % without the shift towards sections further in.
 TEST(LabelField, ThinVesselsThatBendAtTheBorderKeepTheirSection) {
   EXPECT_LT(root_mean_square(errors_of_bent_vessels(1.5, 2)), 0.1);
-  EXPECT_LT(root_mean_square(errors_of_bent_vessels(2, 2.5)), 0.07);
+  EXPECT_LT(root_mean_square(errors_of_bent_vessels(2, 2.5)), 0.08);
   EXPECT_LT(root_mean_square(errors_of_bent_vessels(2.5, 4)), 0.04);
 }
 

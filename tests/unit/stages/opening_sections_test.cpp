@@ -91,9 +91,9 @@ TEST(OpeningSections, ForksTapersAndObliqueEndsAtTheBorderAreNoSides) {
         const Vec3 off = p - Vec3(60.2, 14.7, 19.6);
         return (off - off.dot(axis) * axis).norm() < 5 ? 1 : 0;
       });
-  // Two branches, separate in the last layer, that join two voxels further in.
+  // Two branches, separate in the last layer alone: of one, what lies behind it is twice as large.
   const LabelImage fork = fixtures::voxels_of(fixtures::frame_of({50, 40, 40}), {0, 1}, [](const Vec3& p) {
-    const double apart = std::max(0.0, p.x() - 8) * 0.17;
+    const double apart = std::max(0.0, p.x() - 8) * 0.157;
     return std::hypot(std::abs(p.y() - 19.7) - apart, p.z() - 18.2) < 6 ? 1 : 0;
   });
   for (const LabelImage* image : {&taper, &oblique, &fork})
