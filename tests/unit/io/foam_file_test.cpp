@@ -153,7 +153,7 @@ TEST_F(FoamFile, GathersFacesOfNoPatchUnderTheirOwnName) {
   mesh.quadrilateral_patches[0] = 5;
   const FoamCase written = write(mesh);
   sound_volumes(written);
-  EXPECT_EQ(names(written.patches), (std::vector<std::string>{"wall", "unnamed", "patch_5", "unnamed_2"}));
+  EXPECT_EQ(names(written.patches), (std::vector<std::string>{"wall", "unnamed", "patch_6", "unnamed_2"}));
   EXPECT_EQ(written.patches[3].texts.at("nFaces"), "8");
   EXPECT_EQ(written.patches[3].texts.at("type"), "patch");
 }
