@@ -52,10 +52,21 @@ void warn_of_lost_names(const std::string& path, std::span<const Patch> patches,
       is_long ? fmt::format(" and {} more", lost.size() - kMaxTold) : "", lost.size() == 1 ? "is" : "are"));
 }
 
-bool has_faces(const MeshView& mesh, std::size_t patch) {
-  const auto number = static_cast<std::int32_t>(patch);
-  return std::ranges::find(mesh.triangle_patches, number) != mesh.triangle_patches.end() ||
-         std::ranges::find(mesh.quadrilateral_patches, number) != mesh.quadrilateral_patches.end();
+/// Outer patches that have faces, by their words, as the writer of OpenFOAM cases has them.
+std::vector<FoamPatch> foam_patches(const MeshView& mesh, const std::vector<std::string>& words) {
+  std::vector<bool> has_faces(words.size(), false);
+  for (const std::span<const std::int32_t> patches : {mesh.triangle_patches, mesh.quadrilateral_patches})
+    for (const std::int32_t p : patches)
+      if (p >= 0 && static_cast<std::size_t>(p) < words.size()) has_faces[static_cast<std::size_t>(p)] = true;
+  // Where a patch is called wall, walls have no group of this name.
+  const std::string group = std::ranges::find(words, "wall") == words.end() ? "wall" : "";
+  std::vector<FoamPatch> found;
+  for (std::size_t p = 0; p < words.size(); ++p) {
+    const PatchKind kind = mesh.info->patches[p].kind;
+    if (kind != PatchKind::kInterface && has_faces[p])
+      found.push_back({words[p], kind == PatchKind::kWall ? group : ""});
+  }
+  return found;
 }
 
 }  // namespace
@@ -65,20 +76,16 @@ void warn_of_names(const std::string& path, const MeshView& mesh, const Context&
   if (!is_for(path, FileUse::kWordNames)) return;
   PatchWords words;
   std::vector<std::pair<std::string, std::string>> changed;
-  std::vector<FoamPatch> outer;
+  std::vector<std::string> all;
   for (std::size_t p = 0; p < mesh.info->patches.size(); ++p) {
     const std::string& name = mesh.info->patches[p].name;
     const std::string& word = words.add(name, fmt::format("patch_{}", p + 1));
     if (word != name) changed.emplace_back(name, word);
-    const PatchKind kind = mesh.info->patches[p].kind;
-    if (kind != PatchKind::kInterface && has_faces(mesh, p))
-      outer.push_back({word, kind == PatchKind::kWall ? "wall" : ""});
+    all.push_back(word);
   }
   if (!changed.empty()) context.warn(path + ": " + changed_names_text(changed));
   if (lower_case(std::filesystem::path(path).extension().string()) != ".foam") return;
-  if (words.contains("wall"))  // Then walls have no group of this name.
-    for (FoamPatch& patch : outer) patch.group.clear();
-  if (const std::string stale = stale_fields_text(path, outer); !stale.empty())
+  if (const std::string stale = stale_fields_text(path, foam_patches(mesh, all)); !stale.empty())
     context.warn(path + ": " + stale);
 }
 

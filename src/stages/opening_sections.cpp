@@ -12,6 +12,7 @@
 #include <set>
 #include <utility>
 
+#include "layer_squares.hpp"
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -31,22 +32,14 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
                   std::vector<BorderSection>& sections) {
   constexpr double kRounding = 1e-6;  // Voxels: these faces are in planes themselves.
   const ImageFrame& frame = image.frame();
-  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const auto columns = static_cast<std::size_t>(frame.size[u]),
-             count = columns * static_cast<std::size_t>(frame.size[v]);
-  const auto voxel = [&](std::size_t face) {
-    Index3 at;
-    at[axis] = is_last ? frame.size[axis] - 1 : 0;
-    at[u] = static_cast<int>(face % columns);
-    at[v] = static_cast<int>(face / columns);
-    return at;
-  };
-  const Index3 inwards = (is_last ? -1 : 1) * (frame.size[axis] > 1 ? 1 : 0) * Index3::Unit(axis);
+  const LayerSquares grid(frame, axis, is_last);
+  const std::size_t columns = grid.columns, count = grid.count;
+  const int second = grid.layer_count() > 1 ? 1 : 0;
   const std::vector<std::uint32_t> part = connected_squares(
                                        columns, count,
-                                       [&](std::size_t face) { return image.at(voxel(face)); }),
+                                       [&](std::size_t face) { return image.at(grid.voxel(face, 0)); }),
                                    next = connected_squares(columns, count, [&](std::size_t face) {
-                                     return image.at(voxel(face) + inwards);
+                                     return image.at(grid.voxel(face, second));
                                    });
   std::map<std::uint32_t, std::size_t> next_sizes;
   for (const std::uint32_t n : next) ++next_sizes[n];
@@ -61,7 +54,7 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
   std::set<std::array<std::uint32_t, 2>> behind;  // Parts, and those of the next layer.
   for (std::size_t face = 0; face < count; ++face) {
     if (part[face] == 0) continue;
-    const Index3 at = voxel(face);
+    const Index3 at = grid.voxel(face, 0);
     Vec3 index = at.cast<double>();
     index[axis] += is_last ? 0.5 : -0.5;
     const Vec3 centre_mm = frame.to_physical(index);
@@ -72,10 +65,11 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
     BorderSection& section = by_part[part[face]];
     section.label = image.label_at(at);
     section.edge_count += edges_of(face);
-    if (image.at(at) == image.at(at + inwards) && behind.insert({part[face], next[face]}).second)
+    if (image.at(at) == image.at(grid.voxel(face, second)) && behind.insert({part[face], next[face]}).second)
       section.next_count += next_sizes[next[face]];
     section.centres_mm.push_back(centre_mm);
-    section.face_mm2 = frame.spacing_mm[u] * frame.spacing_mm[v];
+    section.face_mm2 = frame.spacing_mm[grid.u] * frame.spacing_mm[grid.v];
+    section.axis = axis, section.is_last = is_last;
     section.normal = frame.direction.col(axis) * (is_last ? 1 : -1);
   }
   for (auto& entry : by_part) sections.push_back(std::move(entry.second));

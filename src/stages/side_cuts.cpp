@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "layer_squares.hpp"
 #include "lumesh/core/squares.hpp"
 
 namespace lumesh {
@@ -22,41 +23,39 @@ constexpr double kDeviations = 2.5;
 class LayersBehind {
  public:
   LayersBehind(const LabelImage& image, std::span<const CutPlane> cuts, const BorderSection& section)
-      : image_(image), cuts_(cuts), limit_(kMostOfSection * section.centres_mm.size()) {
-    const ImageFrame& frame = image.frame();
-    (frame.direction.transpose() * section.normal).cwiseAbs().maxCoeff(&axis_);
-    is_last_ = frame.direction.col(axis_).dot(section.normal) > 0;
-    u_ = (axis_ + 1) % 3, v_ = (axis_ + 2) % 3;
-    columns_ = static_cast<std::size_t>(frame.size[u_]);
-    is_in_.assign(columns_ * static_cast<std::size_t>(frame.size[v_]), 0);
+      : image_(image),
+        cuts_(cuts),
+        limit_(kMostOfSection * section.centres_mm.size()),
+        grid_(image.frame(), section.axis, section.is_last),
+        is_in_(grid_.count, 0) {
     for (const Vec3& centre_mm : section.centres_mm) {
-      const Vec3 index = frame.to_index(centre_mm);
-      enter(static_cast<std::size_t>(std::lround(index[u_])) +
-            columns_ * static_cast<std::size_t>(std::lround(index[v_])));
+      const Vec3 index = image.frame().to_index(centre_mm);
+      enter(static_cast<std::size_t>(std::lround(index[grid_.u])) +
+            grid_.columns * static_cast<std::size_t>(std::lround(index[grid_.v])));
     }
   }
   [[nodiscard]] std::size_t area() const { return squares_.size(); }
   [[nodiscard]] bool is_of_tissue() const { return squares_.size() > limit_; }
-  [[nodiscard]] double step_mm() const { return image_.frame().spacing_mm[axis_]; }
+  [[nodiscard]] double step_mm() const { return image_.frame().spacing_mm[grid_.axis]; }
   [[nodiscard]] double square_mm2() const {
-    return image_.frame().spacing_mm[u_] * image_.frame().spacing_mm[v_];
+    return image_.frame().spacing_mm[grid_.u] * image_.frame().spacing_mm[grid_.v];
   }
   /// Whether the image has another layer.
-  [[nodiscard]] bool has_next() const { return layer_ + 1 < image_.frame().size[axis_]; }
+  [[nodiscard]] bool has_next() const { return layer_ + 1 < grid_.layer_count(); }
   /// How many of the four other faces of the image the squares reach.
   [[nodiscard]] int count_other_faces() const {
     std::array<bool, 4> reached = {};
     for (const std::size_t square : squares_) {
-      const std::size_t column = square % columns_;
-      reached[0] |= column == 0, reached[1] |= column + 1 == columns_;
-      reached[2] |= square < columns_, reached[3] |= square + columns_ >= is_in_.size();
+      const std::size_t column = square % grid_.columns;
+      reached[0] |= column == 0, reached[1] |= column + 1 == grid_.columns;
+      reached[2] |= square < grid_.columns, reached[3] |= square + grid_.columns >= grid_.count;
     }
     return static_cast<int>(std::ranges::count(reached, true));
   }
   /// Whether a cut plane leaves out any of the squares.
   [[nodiscard]] bool are_cut() const {
     return std::ranges::any_of(squares_, [&](std::size_t square) {
-      const Vec3 centre_mm = image_.frame().to_physical(voxel(square, layer_).cast<double>());
+      const Vec3 centre_mm = image_.frame().to_physical(grid_.voxel(square, layer_).cast<double>());
       return std::ranges::any_of(cuts_, [&](const CutPlane& cut) { return cut.beyond_mm(centre_mm) > 0; });
     });
   }
@@ -75,17 +74,11 @@ class LayersBehind {
   }
 
  private:
-  [[nodiscard]] Index3 voxel(std::size_t square, int layer) const {
-    Index3 at;
-    at[axis_] = is_last_ ? image_.frame().size[axis_] - 1 - layer : layer;
-    at[u_] = static_cast<int>(square % columns_), at[v_] = static_cast<int>(square / columns_);
-    return at;
-  }
   [[nodiscard]] bool is_object(std::size_t square, int layer) const {
-    return image_.at(voxel(square, layer)) != 0;
+    return image_.at(grid_.voxel(square, layer)) != 0;
   }
   void enter(std::size_t start) {
-    flood_squares(columns_, is_in_.size(), start, [&](std::size_t square) {
+    flood_squares(grid_.columns, grid_.count, start, [&](std::size_t square) {
       if (is_in_[square] != 0 || is_of_tissue() || !is_object(square, layer_)) return false;
       is_in_[square] = 1;
       squares_.push_back(square);
@@ -96,9 +89,8 @@ class LayersBehind {
   const LabelImage& image_;
   std::span<const CutPlane> cuts_;
   std::size_t limit_;
-  int axis_ = 0, u_ = 1, v_ = 2, layer_ = 0;
-  bool is_last_ = false;
-  std::size_t columns_ = 0;
+  LayerSquares grid_;
+  int layer_ = 0;
   std::vector<std::uint8_t> is_in_;
   std::vector<std::size_t> squares_;
 };

@@ -17,6 +17,8 @@ struct BorderSection {
   std::vector<Vec3> centres_mm;  ///< Centres of the faces.
   double face_mm2 = 0;
   Vec3 normal = Vec3::UnitX();  ///< Out of the image.
+  int axis = 0;                 ///< Axis of the image across it.
+  bool is_last = false;         ///< Whether it is in the last layer along the axis.
   std::size_t edge_count = 0;   ///< Edges between its faces and others.
   std::size_t next_count = 0;   ///< Faces of the sections of its label in the next layer that lie behind it.
 
