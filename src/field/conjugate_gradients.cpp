@@ -129,11 +129,7 @@ void add_saddles(const FitState& state, const LaneArray& x, float offset, float 
 }  // namespace
 
 ConjugateGradients::ConjugateGradients(const FitState& state)
-    : residual_(state.band.end()),
-      direction_(state.values),
-      product_(state.band.end()),
-      root_(state.band.end()),
-      difference_diagonal_(state.band.end()) {
+    : direction_(state.values), root_(state.band.end()), difference_diagonal_(state.band.end()) {
   take_stiffness(state);
 }
 
@@ -146,7 +142,7 @@ void ConjugateGradients::take_stiffness(const FitState& state) {
 
 void ConjugateGradients::set_diagonals(FitState& state) {
   const Band& band = state.band;
-  LaneArray &mass = residual_, &diagonal = product_;
+  LaneArray &mass = state.residual, &diagonal = state.product;
   for_each_segment_block(band.end(), [&](int begin, int end) {
     std::fill(mass.at(begin), mass.at(end), 0.0F);
     std::fill(diagonal.at(begin), diagonal.at(end), 0.0F);
@@ -163,28 +159,29 @@ void ConjugateGradients::set_diagonals(FitState& state) {
 
 void ConjugateGradients::start(FitState& state) {
   const Band& band = state.band;
-  for_each_segment_block(band.end(),
-                         [&](int begin, int end) { std::fill(product_.at(begin), product_.at(end), 0.0F); });
-  apply_residual(state.energy, state.values, product_);
-  for_each_segment_block(band.end(),
-                         [&](int begin, int end) { negate_block(product_, begin, end, residual_); });
+  for_each_segment_block(band.end(), [&](int begin, int end) {
+    std::fill(state.product.at(begin), state.product.at(end), 0.0F);
+  });
+  apply_residual(state.energy, state.values, state.product);
+  for_each_segment_block(
+      band.end(), [&](int begin, int end) { negate_block(state.product, begin, end, state.residual); });
   add_gradient_of_holds(-1, state);
 }
 
-void ConjugateGradients::add_gradient_of_holds(float sign, const FitState& state) {
+void ConjugateGradients::add_gradient_of_holds(float sign, FitState& state) {
   for_each_segment_block(state.band.end(), [&](int begin, int end) {
-    add_holds_block(state.values, state.hold, state.target, sign, begin, end, residual_);
+    add_holds_block(state.values, state.hold, state.target, sign, begin, end, state.residual);
   });
-  add_saddles(state, state.values, kThinDepth, sign, residual_);
+  add_saddles(state, state.values, kThinDepth, sign, state.residual);
 }
 
-/// Leaves the parts of M residual in product_ and the levels; returns residual . M residual.
+/// Leaves the parts of M residual in the product and the levels; returns residual . M residual.
 double ConjugateGradients::precondition(FitState& state) {
   const Band& band = state.band;
   const double finest = sum_over_segment_blocks(band.end(), [&](int begin, int end) {
-    return smooth_block(band, residual_, root_, begin, end, product_);
+    return smooth_block(band, state.residual, root_, begin, end, state.product);
   });
-  return finest + state.levels.precondition(residual_);
+  return finest + state.levels.precondition(state.residual);
 }
 
 void ConjugateGradients::minimise(double tolerance, FitState& state) {
@@ -201,16 +198,16 @@ void ConjugateGradients::minimise_on(double tolerance, FitState& state) {
   float beta = 0;
   for (int count = 0; count < kMaxIterations && error > enough; ++count) {
     for_each_segment_block(band.end(), [&](int begin, int end) {
-      direction_block(state.levels.finest(), root_, state.hold, beta, begin, end, direction_, product_);
+      direction_block(state.levels.finest(), root_, state.hold, beta, begin, end, direction_, state.product);
     });
-    apply(state.energy, direction_, product_);
-    add_saddles(state, direction_, 0, 1, product_);
+    apply(state.energy, direction_, state.product);
+    add_saddles(state, direction_, 0, 1, state.product);
     const double curvature = sum_over_segment_blocks(
-        band.end(), [&](int begin, int end) { return dot_block(direction_, product_, begin, end); });
+        band.end(), [&](int begin, int end) { return dot_block(direction_, state.product, begin, end); });
     if (!(curvature > 0)) break;
     const auto step = static_cast<float>(error / curvature);
     for_each_segment_block(band.end(), [&](int begin, int end) {
-      advance_block(step, direction_, product_, begin, end, state.values, residual_);
+      advance_block(step, direction_, state.product, begin, end, state.values, state.residual);
     });
     const double next = precondition(state);
     beta = static_cast<float>(next / error);

@@ -33,10 +33,10 @@ class ConjugateGradients {
   /// Computes the residual.
   void start(FitState& state);
   /// Adds `sign` times what holds pull with to the residual.
-  void add_gradient_of_holds(float sign, const FitState& state);
+  void add_gradient_of_holds(float sign, FitState& state);
   double precondition(FitState& state);
 
-  LaneArray residual_, direction_, product_;
+  LaneArray direction_;
   LaneArray root_;  // Factor of the finest level's preconditioner.
   LaneArray difference_diagonal_;
 };

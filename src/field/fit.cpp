@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "binomial.hpp"
 #include "border_derivatives.hpp"
@@ -49,12 +50,19 @@ LaneArray start_of(const Band& band) {
 class Fit {
  public:
   Fit(const Band& band, BoundaryFidelity fidelity)
-      : state_(band), fidelity_(fidelity), stiffness_(begin(state_), noise(), state_), solver_(state_) {}
+      : state_(band),
+        fidelity_(fidelity),
+        stiffness_(std::in_place, begin(state_), noise(), state_),
+        solver_(std::in_place, state_) {}
 
   /// The function, which may leave single voxels on the wrong side.
   LaneArray& solve() {
     for (int solve = 0; solve < kSolves; ++solve) fit_once(solve);
-    harden();
+    std::vector<std::uint8_t> clean = stiffness_->clean_voxels(state_);
+    around_thin_ = stiffness_->around_thin_parts();
+    stiffness_.reset();  // Memory that what follows takes.
+    harden(std::move(clean));
+    solver_.reset();
     return state_.values;
   }
 
@@ -68,7 +76,7 @@ class Fit {
           if (Band::has(inside, lane)) keep_side(s * kLanes + lane);
       }
     });
-    keep_connections(state_.band, stiffness_.around_thin_parts(), state_.values);
+    keep_connections(state_.band, around_thin_, state_.values);
     for (const Saddle& saddle : state_.band.saddles()) keep_apart(saddle);
   }
 
@@ -120,12 +128,12 @@ class Fit {
       set_outliers_aside();
       using Step = StiffnessAdaptation::Step;
       if (solve <= kSoftenings + 1 &&
-          stiffness_.update(solve <= kSoftenings ? Step::kSoften : Step::kJudgeOnly, state_))
-        solver_.take_stiffness(state_);
+          stiffness_->update(solve <= kSoftenings ? Step::kSoften : Step::kJudgeOnly, state_))
+        solver_->take_stiffness(state_);
       hold_violated_sides(state_);
       border_.update(state_.values, state_.energy);
     }
-    solver_.minimise(solve <= kSoftenings ? kTolerance : kLastTolerance, state_);
+    solver_->minimise(solve <= kSoftenings ? kTolerance : kLastTolerance, state_);
   }
 
   void set_outliers_aside() {
@@ -135,27 +143,24 @@ class Fit {
   }
 
   /// Sides are kept for certain: of all voxels of the image, or of those around which labels are not noisy.
-  void harden() {
+  /// @param hard  The latter.
+  void harden(std::vector<std::uint8_t> hard) {
     const Band& band = state_.band;
-    std::vector<std::uint8_t> hard(band.segment_count(), 0);
-    if (fidelity_ == BoundaryFidelity::kExact) {
+    if (fidelity_ == BoundaryFidelity::kExact)
       for (int s = 1; s < band.end(); ++s)
         hard[static_cast<std::size_t>(s)] = static_cast<std::uint8_t>(band.in_image(s) & band.sided(s));
-    } else {
-      hard = stiffness_.clean_voxels(state_);
-    }
     std::size_t count = 0;
     for (const std::uint8_t bits : hard) count += static_cast<std::size_t>(std::popcount(bits));
     if (static_cast<double>(count) <= kMinHardShare * static_cast<double>(band.voxel_count())) return;
     HardSides sides(state_, std::move(hard));
     const double enough = kWrongShare * static_cast<double>(count);
     sides.update(state_);
-    solver_.minimise(kLastTolerance, state_);
+    solver_->minimise(kLastTolerance, state_);
     for (int round = 1; round < kHardRounds; ++round) {
       std::size_t wrong = 0;
-      solver_.change_holds(state_, [&] { wrong = sides.update(state_); });
+      solver_->change_holds(state_, [&] { wrong = sides.update(state_); });
       if (static_cast<double>(wrong) <= enough) break;
-      solver_.minimise_on(kLastTolerance, state_);
+      solver_->minimise_on(kLastTolerance, state_);
     }
   }
 
@@ -171,7 +176,7 @@ class Fit {
     }
     float least = kept;
     const auto at = static_cast<std::size_t>(voxel / kLanes);
-    const auto thin = static_cast<std::uint8_t>(state_.thin[at] | stiffness_.around_thin_parts()[at]);
+    const auto thin = static_cast<std::uint8_t>(state_.thin[at] | around_thin_[at]);
     if (Band::has(thin, voxel % kLanes) && !is_outlier(voxel)) least = kKeptThin;
     if (fidelity_ == BoundaryFidelity::kExact) least = std::max(least, kKeptExact);
     if (least <= 0 && kept > -kMaxPutRight && !is_outlier(voxel) &&
@@ -210,8 +215,9 @@ class Fit {
   FitState state_;
   BoundaryFidelity fidelity_;
   float longest_edge_ = static_cast<float>(state_.band.edges().maxCoeff());
-  StiffnessAdaptation stiffness_;
-  ConjugateGradients solver_;
+  std::optional<StiffnessAdaptation> stiffness_;
+  std::optional<ConjugateGradients> solver_;
+  std::vector<std::uint8_t> around_thin_;  // As the adaptation has them.
   DampedFaces damped_;
   BorderDerivatives border_{state_.band, state_.energy.targets};
 };
@@ -224,6 +230,8 @@ FitState::FitState(const Band& of)
       values(start_of(of)),
       hold(of.end()),
       target(of.end()),
+      residual(of.end()),
+      product(of.end()),
       hold_weight(of.end(), kHold),
       saddle_hold(of.saddles().size(), 0.0F),
       thin(of.segment_count(), 0),

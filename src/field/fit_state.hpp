@@ -31,7 +31,8 @@ struct FitState {
   LaneArray values;  ///< The function.
   LaneArray hold;    ///< Weight of (value - target)^2 at a voxel; 0 where the side is kept.
   LaneArray target;
-  LaneArray hold_weight;  ///< What `hold` is where the side is violated: lower where labels are noisy.
+  LaneArray residual, product;  ///< The solver's, and of use to others between solves.
+  LaneArray hold_weight;        ///< What `hold` is where the side is violated: lower where labels are noisy.
   std::vector<float> saddle_hold;     ///< Weight of (mean of the four + kThinDepth)^2; 0 where it is kept.
   std::vector<std::uint8_t> thin;     ///< A bit for each lane: voxels of parts one or two voxels thick.
   std::vector<std::uint8_t> outlier;  ///< Voxels that are wrong by far, and alone.

@@ -294,10 +294,10 @@ bool has_any(const std::vector<std::uint8_t>& bits) {
 }  // namespace
 
 StiffnessAdaptation::StiffnessAdaptation(const LaneArray& start, Noise noise, FitState& state)
-    : noise_(noise) {
+    : noise_(noise), scratch_(state.residual), other_(state.product) {
   const int end = state.band.end();
   for (LaneArray* array : {&boundary_narrow_, &boundary_wide_, &boundary_far_, &logarithm_, &last_logarithm_,
-                           &wrong_, &last_wrong_, &wrong_sum_, &scratch_, &other_, &more_})
+                           &wrong_, &last_wrong_, &wrong_sum_, &more_})
     array->assign(end, 0);
   for (Bits* bits : {&turning_, &thin_around_, &creases_, &locked_, &beyond_noise_, &softened_})
     bits->assign(state.band.segment_count(), 0);
@@ -392,6 +392,8 @@ void StiffnessAdaptation::measure(FitState& state) {
 }
 
 bool StiffnessAdaptation::update(Step step, FitState& state) {
+  // Windows need the null segment, which solves write to.
+  for (LaneArray* const array : {&scratch_, &other_}) store(array->at(0), Lanes{});
   measure(state);
   const bool unlocked = unlock(state);
   const bool took_back = noise_ == Noise::kExpected && judge(state);

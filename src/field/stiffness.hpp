@@ -48,7 +48,8 @@ class StiffnessAdaptation {
   LaneArray logarithm_, last_logarithm_;  // of the stiffness, to base 2
   LaneArray wrong_, last_wrong_;          // violation of each voxel, outliers left out
   LaneArray wrong_sum_;                   // windows of violations, cut off, at the boundary
-  LaneArray scratch_, other_, more_;
+  LaneArray &scratch_, &other_;           // the solver's
+  LaneArray more_;
 };
 
 }  // namespace lumesh::field
