@@ -11,11 +11,14 @@
 #include "mesh_builder.hpp"
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
+#include "unit_and_frame.hpp"
 #include "unpacked_file.hpp"
 
 namespace lumesh::io {
 
 namespace {
+
+constexpr std::size_t kHeaderLines = 10;
 
 /// Lines without comments; what follows the numbers of a point or polygon, such as its colour, is left out.
 class OffReader {
@@ -38,7 +41,9 @@ class OffReader {
     for (std::int64_t i = 0; i < polygons; ++i) read_polygon();
     if (polygons == 0) fail_here("holds no polygon");
     builder_.name_patch(0, kWallName);
-    return builder_.finish();
+    MixedMesh mesh = builder_.finish();
+    read_unit_and_frame(comments_, mesh.info);
+    return mesh;
   }
 
  private:
@@ -48,7 +53,9 @@ class OffReader {
   void next_line() {
     for (std::string line; std::getline(in_, line);) {
       ++line_number_;
-      line.resize(std::min(line.find('#'), line.size()));
+      const std::size_t comment = std::min(line.find('#'), line.size());
+      if (line_number_ <= kHeaderLines) comments_ += line.substr(comment) + '\n';
+      line.resize(comment);
       if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
       line_ = std::istringstream(line);
       return;
@@ -74,6 +81,7 @@ class OffReader {
   const std::filesystem::path& path_;
   std::istringstream in_, line_;
   std::size_t line_number_ = 0;
+  std::string comments_;  // Of the first lines.
   MeshBuilder builder_{path_};
 };
 
@@ -92,8 +100,7 @@ void write_off(const std::filesystem::path& path, const MeshView& mesh) {
   }
   if (faces == 0) fail(path, kNoFaces);
   OutputFile file(path);
-  file.print("OFF\n# lumesh SPACE={} UNIT={}\n{} {} 0\n", mesh.info->frame, mesh.info->unit,
-             numbers.points().size(), faces);
+  file.print("OFF\n# {}\n{} {} 0\n", unit_and_frame(*mesh.info), numbers.points().size(), faces);
   for (const std::uint32_t v : numbers.points())
     file.print("{} {} {}\n", mesh.points[v].x(), mesh.points[v].y(), mesh.points[v].z());
   for (const CellBlock& block : face_blocks(mesh)) {

@@ -13,6 +13,7 @@
 #include "mesh_formats.hpp"
 #include "output_file.hpp"
 #include "part_names.hpp"
+#include "unit_and_frame.hpp"
 #include "unpacked_file.hpp"
 
 namespace lumesh::io {
@@ -43,7 +44,10 @@ void write_facet(OutputFile& file, const MeshView& mesh, std::uint32_t a, std::u
 /// Gathers facets; points with the same coordinates become one.
 class SurfaceBuilder {
  public:
-  explicit SurfaceBuilder(const std::filesystem::path& path) : path_(path) {}
+  /// @param comment  The file's header or first line.
+  SurfaceBuilder(const std::filesystem::path& path, std::string_view comment) : path_(path) {
+    read_unit_and_frame(comment, mesh_.info);
+  }
 
   void add(const std::array<Vec3, 3>& corners) {
     if (solids_.empty()) begin_solid("");  // Of a damaged file.
@@ -87,7 +91,7 @@ class SurfaceBuilder {
 };
 
 MixedMesh parse_binary(const std::filesystem::path& path, const std::string& bytes, std::size_t facets) {
-  SurfaceBuilder surface(path);
+  SurfaceBuilder surface(path, std::string_view(bytes).substr(0, kHeaderBytes));
   surface.begin_solid("");
   for (std::size_t f = 0; f < facets; ++f) {
     std::array<float, 9> numbers;
@@ -101,7 +105,7 @@ MixedMesh parse_binary(const std::filesystem::path& path, const std::string& byt
 }
 
 MixedMesh parse_text(const std::filesystem::path& path, const std::string& text) {
-  SurfaceBuilder surface(path);
+  SurfaceBuilder surface(path, std::string_view(text).substr(0, text.find('\n')));
   std::istringstream in(text);
   std::array<Vec3, 3> corners;
   std::size_t corner = 3;
@@ -134,9 +138,7 @@ void write_stl(const std::filesystem::path& path, const MeshView& mesh) {
   if (facets == 0) fail(path, kNoFaces);
   OutputFile file(path);
   std::array<char, kHeaderBytes> header{};
-  std::strncpy(header.data(),
-               fmt::format("lumesh SPACE={} UNIT={}", mesh.info->frame, mesh.info->unit).c_str(),
-               header.size() - 1);
+  std::strncpy(header.data(), unit_and_frame(*mesh.info).c_str(), header.size() - 1);
   file.write(header.data(), header.size());
   const auto count = static_cast<std::uint32_t>(facets);
   file.write(&count, sizeof(count));

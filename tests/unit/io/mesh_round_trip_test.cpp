@@ -225,6 +225,27 @@ TEST(Surface, SaysItsFrameInTheHeaderOfStl) {
   EXPECT_NE(header.substr(0, 5), "solid");                 // What text files begin with.
 }
 
+TEST(Surface, KeepsUnitAndFrameInTheCommentsOfStlAndOff) {
+  const TemporaryFolder folder;
+  MixedMesh mesh = every_cell_shape();
+  mesh.info.unit = "cm";
+  for (const char* name : {"s.stl", "s.off"}) {
+    write_surface(folder / name, mesh.view());
+    const MeshInfo back = read_mesh(folder / name).info;
+    EXPECT_EQ(back.unit, "cm") << name;
+    EXPECT_EQ(back.frame, "RAS") << name;
+  }
+  // As 3D Slicer writes it; words that only look like it say nothing.
+  const std::string facet =
+      " facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 0\n"
+      " endloop\n endfacet\nendsolid\n";
+  fixtures::write_file(folder / "t.stl", "solid 3D Slicer output. SPACE=RAS\n" + facet);
+  EXPECT_EQ(read_mesh(folder / "t.stl").info.frame, "RAS");
+  fixtures::write_file(folder / "t.stl", "solid NOUNIT=cm UNIT=parsec MYSPACE=RAS SPACE=\n" + facet);
+  EXPECT_EQ(read_mesh(folder / "t.stl").info.unit, "mm");
+  EXPECT_EQ(read_mesh(folder / "t.stl").info.frame, "LPS");
+}
+
 TEST(Boundary, IsFoundBetweenLabelsAndOutside) {
   MixedMesh mesh = every_cell_shape();
   const MixedMesh before = mesh;
