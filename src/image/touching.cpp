@@ -223,17 +223,53 @@ std::vector<ThinPlace> bridges_of(const VesselChunks& chunks, const std::set<Pai
   return places;
 }
 
-/// Removes one voxel at each face, the one nearer to the background, unless the other is gone already.
+/// Removes what the vessels still have in common around the faces, edges and corners: the boundary between
+/// them would be joined there again.
+void separate_at_edges(const VesselChunks& chunks, const std::vector<ContactElement>& elements,
+                       std::set<std::size_t>& gone) {
+  const auto is_of = [&](const Index3& place, std::uint32_t chunk) {
+    return chunks.contains(place) && chunks.chunk_of(chunks.offset(place)) == chunk &&
+           !chunks.is_filled(chunks.offset(place)) && !gone.contains(chunks.offset(place));
+  };
+  for (const ContactElement& e : elements) {
+    if (!e.is_face()) continue;
+    for_each_around(chunks.place_of(e.voxel), 1, [&](const Index3& place) {
+      if (!is_of(place, e.first)) return;
+      bool touches = false;
+      for_each_around(place, 1, [&](const Index3& near) { touches |= is_of(near, e.second); });
+      if (touches) gone.insert(chunks.offset(place));
+    });
+  }
+}
+
+/// Removes one voxel at each face, the one nearer to the background, unless the other is gone already. Where
+/// vessels share a broad area their smooth walls would meet again between layers one voxel apart: there both
+/// voxels go.
 void separate(const VesselChunks& chunks, const std::vector<ContactElement>& elements,
               std::set<std::size_t>& gone) {
-  std::unordered_map<std::uint32_t, std::size_t> faces_of;
+  constexpr int kBroad = 7, kAround = 27;  // Faces within a voxel; a strip two faces broad has six.
+  std::unordered_map<std::uint32_t, int> faces_of;
   for (const ContactElement& e : elements)
     if (e.is_face()) ++faces_of[e.voxel], ++faces_of[e.other];
+  const auto is_broad = [&](const ContactElement& e) {
+    int count = 0, places = 0;
+    for_each_around(chunks.place_of(e.voxel), 1, [&](const Index3& near) {
+      if (!chunks.contains(near)) return;
+      ++places;
+      const auto found = faces_of.find(static_cast<std::uint32_t>(chunks.offset(near)));
+      if (found != faces_of.end() && chunks.chunk_of(chunks.offset(near)) == e.first) count += found->second;
+    });
+    return kAround * count >= kBroad * places;
+  };
   for (const ContactElement& e : elements) {
-    if (chunks.is_filled(e.voxel) || chunks.is_filled(e.other)) continue;
-    if (!e.is_face() || gone.contains(e.voxel) || gone.contains(e.other)) continue;
-    gone.insert(faces_of[e.other] > faces_of[e.voxel] ? e.other : e.voxel);
+    if (chunks.is_filled(e.voxel) || chunks.is_filled(e.other) || !e.is_face()) continue;
+    if (is_broad(e)) {
+      gone.insert({e.voxel, e.other});
+    } else if (!gone.contains(e.voxel) && !gone.contains(e.other)) {
+      gone.insert(faces_of[e.other] > faces_of[e.voxel] ? e.other : e.voxel);
+    }
   }
+  separate_at_edges(chunks, elements, gone);
 }
 
 /// Background around contacts that has both vessels within two voxels.

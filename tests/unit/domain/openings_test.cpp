@@ -12,6 +12,7 @@
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/patch_names.hpp"
+#include "lumesh/image/touching.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh {
@@ -38,6 +39,30 @@ TEST(FindOpenings, KnowsTheEllipsesOfASlantedTube) {
       const double side = opening.normal.dot(normal);  // The one above, or the one below.
       EXPECT_NEAR(std::abs(side), 1, 1e-12);
       EXPECT_LT((opening.centre_mm - (on_axis + side * 8 * axis)).norm(), 0.02);
+    }
+  }
+}
+
+TEST(FindOpenings, SeparatedVesselsHaveSectionsOfTheirOwn) {
+  // Side by side all along, with a common area one to five voxels broad.
+  const Vec3 axis = Vec3(0.09, 0.07, 1).normalized(), across = Vec3(1, 0.3, 0).cross(axis).cross(axis);
+  const double radius = 6;
+  for (const double overlap : {0.1, 0.4, 0.8, 1.2}) {
+    const Vec3 to_axis = (radius - overlap / 2) * across.normalized(), middle(22.3, 20.2, 15);
+    LabelImage image = fixtures::voxels_of(fixtures::frame_of({46, 42, 32}), {0, 1}, [&](const Vec3& p) {
+      const auto off = [&](const Vec3& from) { return (p - from).cross(axis).norm(); };
+      return std::min(off(middle + to_axis), off(middle - to_axis)) <= radius ? 1 : 0;
+    });
+    separate_touching(image);
+    const std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+    ASSERT_EQ(openings.size(), 4U) << overlap;
+    // At most half the common part is gone, and a voxel and a half beside it.
+    const double kept = radius - overlap / 2 - 1.5, angle = std::acos(kept / radius),
+                 cut_off = radius * radius * angle - kept * radius * std::sin(angle),
+                 section = std::numbers::pi * radius * radius;
+    for (const Opening& o : openings) {
+      EXPECT_LT(o.area_mm2 * axis.z(), 1.02 * section) << overlap;
+      EXPECT_GT(o.area_mm2 * axis.z(), section - cut_off) << overlap;
     }
   }
 }
