@@ -110,6 +110,11 @@ class Band {
     const int segment = v.x() < 0 ? 0 : grid_.find({v.x() / kLanes, v.y(), v.z()});
     return segment * kLanes + (v.x() & (kLanes - 1));
   }
+  /// Lane of a voxel, from that of the one before it along x.
+  [[nodiscard]] Lane next_lane(Lane before, const Index3& voxel) const {
+    const Lane next = before + 1;
+    return next % kLanes == 0 ? lane_of(voxel) : next;
+  }
   /// Value of an array for a voxel of the image, or a ghost; that of the null segment if that is
   /// not of the band.
   [[nodiscard]] float value_at(const LaneArray& values, const Index3& voxel) const {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "band.hpp"
 #include "border_sections.hpp"
@@ -10,7 +11,6 @@
 #include "label_pairs.hpp"
 #include "label_volumes.hpp"
 #include "lumesh/core/grid.hpp"
-#include "lumesh/core/sort_unique.hpp"
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "lumesh/parallel/tasks.hpp"
@@ -99,7 +99,7 @@ class LabelFieldBuilder {
 
   void choose_bricks() {
     const auto count = static_cast<std::size_t>(f_.bricks_.prod());
-    std::vector<std::uint8_t> near(count, 0);
+    std::vector<std::uint32_t> last_pair(count, 0);  // That has a face near, counted from 1.
     bricks_of_pair_.resize(pairs_.size());
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
       std::vector<std::uint32_t>& bricks = bricks_of_pair_[p];
@@ -107,15 +107,14 @@ class LabelFieldBuilder {
         const IndexBox box = bricks_of(face);
         for_each_place(box.low, box.high, [&](const Index3& brick) {
           const auto b = static_cast<std::uint32_t>(f_.brick_offset(brick));
-          near[b] = 1;
-          if (bricks.empty() || bricks.back() != b) bricks.push_back(b);
+          if (std::exchange(last_pair[b], static_cast<std::uint32_t>(p) + 1) != p + 1) bricks.push_back(b);
         });
       }
-      sort_unique(bricks);
+      std::ranges::sort(bricks);
     }
     f_.brick_of_.resize(count);
     for (std::size_t b = 0; b < count; ++b) {
-      if (near[b] != 0) {
+      if (last_pair[b] != 0) {
         f_.brick_of_[b] = static_cast<std::int32_t>(place_.size());
         place_.push_back(static_cast<std::uint32_t>(b));
       } else {
@@ -204,9 +203,11 @@ class LabelFieldBuilder {
     for (int k = 0; k < kStored; ++k) {
       for (int j = 0; j < kStored; ++j) {
         float* const row = out + LabelField::kRowPad * (j + kStored * k);
+        Lane lane = 0;
         for (int i = 0; i < kStored; ++i) {
           const Index3 voxel = first + Index3(i, j, k);
-          const float value = band.value_at(values, voxel);
+          lane = i == 0 ? band.lane_of(voxel) : band.next_lane(lane, voxel);
+          const float value = values.data()[lane];
           row[i] = value == value ? std::clamp(value, -kLimit, kLimit)
                                   : kLimit * static_cast<float>(pair.side_of(image_.at_nearest(voxel)));
           const int beyond = pair.is_outer_wall() ? beyond_bare_end(voxel) : -1;

@@ -1,6 +1,7 @@
 #include "segment_grid.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "lumesh/parallel/loops.hpp"
 
@@ -59,7 +60,7 @@ void SegmentGrid::number() {
   int next = 1;
   for (std::size_t w = 0; w < words_.size(); ++w) {
     first_[w] = next;
-    next += std::popcount(words_[w]);
+    next += count_bits(words_[w]);
   }
   places_.resize(static_cast<std::size_t>(next));
   parallel::for_each_index(words_.size(), [&](std::size_t w) {

@@ -1,7 +1,6 @@
 #pragma once
 // Which segments of eight voxels exist, of a box of rows: a bit for each, numbered row by row.
 
-#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -11,6 +10,14 @@ namespace lumesh::field {
 struct SegmentPlace {
   int x = 0, y = 0, z = 0;
 };
+
+/// Number of bits set, as by std::popcount(), for which compilers call a library.
+[[nodiscard]] constexpr int count_bits(std::uint64_t bits) {
+  bits -= bits >> 1U & 0x5555555555555555U;
+  bits = (bits & 0x3333333333333333U) + (bits >> 2U & 0x3333333333333333U);
+  bits = (bits + (bits >> 4U)) & 0x0F0F0F0F0F0F0F0FU;
+  return static_cast<int>(bits * 0x0101010101010101U >> 56U);
+}
 
 /// Segments have numbers from 1; 0 is the null segment, which stands for all that do not exist.
 class SegmentGrid {
@@ -47,7 +54,7 @@ class SegmentGrid {
     const std::size_t w = word_of(p);
     const unsigned bit = static_cast<unsigned>(p.x) % 64U;
     if ((words_[w] >> bit & 1U) == 0) return 0;
-    const int rank = first_[w] + std::popcount(words_[w] & ((std::uint64_t{1} << bit) - 1));
+    const int rank = first_[w] + count_bits(words_[w] & ((std::uint64_t{1} << bit) - 1));
     return numbers_.empty() ? rank : numbers_[static_cast<std::size_t>(rank)];
   }
   [[nodiscard]] const SegmentPlace& place(int segment) const {
