@@ -50,12 +50,20 @@ std::vector<bool> flat_regions(const ClosedSurface& surface, const FeatureRegion
 /// Where a region ends: each vertex with the next one, anticlockwise.
 struct RegionRim {
   std::map<std::uint32_t, std::uint32_t> next;
-  double length_mm = 0, on_flat_mm = 0;
+  double length_mm = 0;
+  double on_flat_mm = 0;  // Beside flat regions; of a flat patch, beside flat patches.
+  bool is_of_patch = false;
 
   /// True if little around is flat, as facets of walls of few triangles are.
   [[nodiscard]] bool is_mostly_on_bent() const {
     constexpr double kMaxFlat = 0.1;
     return on_flat_mm <= kMaxFlat * length_mm;
+  }
+  /// In one curve; a patch may also be the ring that a solid wall ends in.
+  [[nodiscard]] bool ends_as_ends_do() const {
+    return is_of_patch
+               ? std::ranges::all_of(next, [&](const auto& edge) { return next.contains(edge.second); })
+               : is_one_curve(next);
   }
 };
 
@@ -79,10 +87,29 @@ std::vector<std::uint32_t> regions_of_planes(const ClosedSurface& surface, const
   return first;
 }
 
+/// By region, whether its whole patch is in one plane: the sides of a channel are flat, but not its wall.
+std::vector<bool> regions_of_flat_patches(const FeatureRegions& regions, const std::vector<bool>& is_flat,
+                                          const std::vector<std::uint32_t>& plane_of) {
+  std::map<std::int32_t, std::set<std::uint32_t>> planes;
+  std::set<std::int32_t> bent;
+  for (std::uint32_t r = 0; r < regions.count(); ++r) {
+    planes[regions.patches[r]].insert(plane_of[r]);
+    if (!is_flat[r]) bent.insert(regions.patches[r]);
+  }
+  std::vector<bool> is_of_flat;
+  for (const std::int32_t patch : regions.patches)
+    is_of_flat.push_back(planes[patch].size() == 1 && !bent.contains(patch));
+  return is_of_flat;
+}
+
 /// Rims of planes, each at the number of its first region.
 std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegions& regions,
                                const std::vector<bool>& is_flat, const std::vector<std::uint32_t>& plane_of) {
+  const std::vector<bool> is_of_flat_patch = regions_of_flat_patches(regions, is_flat, plane_of);
   std::vector<RegionRim> rims(is_flat.size());
+  for (std::uint32_t r = 0; r < rims.size(); ++r) rims[plane_of[r]].is_of_patch = true;
+  for (std::uint32_t r = 0; r < rims.size(); ++r)
+    if (!is_of_flat_patch[r]) rims[plane_of[r]].is_of_patch = false;
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const std::uint32_t region = regions.of_triangle[t];
     if (!is_flat[region]) continue;
@@ -92,7 +119,7 @@ std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegion
       if (plane_of[other] == plane_of[region]) continue;
       const double edge_mm = (surface.corner(t, (s + 1) % 3) - surface.corner(t, s)).norm();
       rim.length_mm += edge_mm;
-      if (is_flat[other]) rim.on_flat_mm += edge_mm;
+      if (rim.is_of_patch ? is_of_flat_patch[other] : is_flat[other]) rim.on_flat_mm += edge_mm;
       rim.next[surface.triangles[t][s]] = surface.triangles[t][(s + 1) % 3];
     }
   }
@@ -146,7 +173,7 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
   const std::vector<RegionRim> rims = rims_of(surface, regions, is_flat, plane_of);
   for (std::size_t r = 0; r < shapes.size(); ++r) {
     const RegionRim& rim = rims[plane_of[r]];
-    shapes[r].is_like_end = is_flat[r] && rim.is_mostly_on_bent() && is_one_curve(rim.next);
+    shapes[r].is_like_end = is_flat[r] && rim.is_mostly_on_bent() && rim.ends_as_ends_do();
     shapes[r].is_flat_end = shapes[r].is_like_end && rim.on_flat_mm == 0;
   }
   std::vector<std::vector<std::uint32_t>> ends(shapes.size());

@@ -181,7 +181,9 @@ void extend_ends(const PatchedSurface& patched, const ExtensionOptions& extensio
   take_patches_of(patched, surface.mesh);
   ExtrudedMesh made =
       extrude_openings(surface.mesh, extension.lengths, LayerCells::kTetrahedra, extension.transition);
-  for (const std::string& note : made.notes) context.warn(note);
+  for (const std::span<const std::string> notes :
+       {patched.patch_notes(), std::span(std::as_const(made.notes))})
+    for (const std::string& note : notes) context.warn(note);
   surface.mesh = std::move(made.mesh);
 }
 

@@ -294,6 +294,29 @@ TEST(SurfaceDomain, NamesPatchesAsTheFileOrByAreaAndWallWhereThereIsOne) {
   EXPECT_EQ(named.patches[3].name, "patch_7");
 }
 
+TEST(SurfaceDomain, PatchesOfTheFileAreEndsThoughTheWallAroundIsFlat) {
+  TriangleSoup box =
+      unit_cube_surface().moved([](const Vec3& p) { return Vec3(p.x(), 2 * p.y(), 3 * p.z()); });
+  box.patches = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 2, 2};
+  // As their kind says, or as face ids of a file.
+  for (const PatchKind kind : {PatchKind::kOpening, PatchKind::kWall}) {
+    const std::vector<Patch> info = {{"tube", PatchKind::kWall, {}}, {"in", kind, {}}, {"out", kind, {}}};
+    const SurfaceDomain domain({box.points, box.triangles, box.patches, info});
+    ASSERT_EQ(domain.flat_ends().size(), 2U);
+    for (const FlatEnd& end : domain.flat_ends()) {
+      EXPECT_TRUE(end.name == "in" || end.name == "out") << end.name;
+      EXPECT_DOUBLE_EQ(end.area_mm2, 2);
+      EXPECT_DOUBLE_EQ(std::abs(end.normal.z()), 1);
+    }
+  }
+  // A piece of a flat side of the wall is no end, nor are the six sides of a box.
+  box.patches = {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0};
+  const std::vector<Patch> piece = {{"tube", PatchKind::kWall, {}}, {"piece", PatchKind::kWall, {}}};
+  EXPECT_TRUE(SurfaceDomain({box.points, box.triangles, box.patches, piece}).flat_ends().empty());
+  box.patches = {0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5};
+  EXPECT_TRUE(SurfaceDomain({box.points, box.triangles, box.patches, {}}).flat_ends().empty());
+}
+
 TEST(SurfaceDomain, TheFeatureAngleDecidesWhatIsSharp) {
   const TriangleSoup ball = icosphere(0);  // 41.8 degrees between faces.
   EXPECT_EQ(SurfaceDomain(ball.view(), {.feature_angle_deg = 41}).region_count(), 20u);
