@@ -61,12 +61,13 @@ CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> 
 }
 
 /// How far before an end a cut square to the axis leaves the image's border: where the vessel is cut off
-/// obliquely, its opening reaches back along its wall.
-double depth_of_end(const ImageFrame& frame, std::span<const BorderSection> sections, const Vec3& end,
-                    const Vec3& outward, double radius_mm) {
+/// obliquely, its opening reaches back along its wall. The section across the axis is the opening's
+/// projected.
+EndShape shape_of_end(const ImageFrame& frame, std::span<const BorderSection> sections, const Vec3& end,
+                      const Vec3& outward, double radius_mm) {
   constexpr double kAround = 1.5;  // Radii: what is farther from the axis is another vessel's.
   const double voxel_mm = frame.spacing_mm.maxCoeff();
-  double depth_mm = 0;
+  EndShape shape;
   for (const BorderSection& section : sections) {
     const bool is_at_end = std::ranges::any_of(
         section.centres_mm, [&](const Vec3& p) { return (p - end).norm() < radius_mm + voxel_mm; });
@@ -75,10 +76,13 @@ double depth_of_end(const ImageFrame& frame, std::span<const BorderSection> sect
       const Vec3 off = p - end;
       const double before_mm = -off.dot(outward);
       if ((off + before_mm * outward).norm() < kAround * radius_mm + voxel_mm)
-        depth_mm = std::max(depth_mm, before_mm);
+        shape.depth_mm = std::max(shape.depth_mm, before_mm);
     }
+    shape.section_mm2 =
+        std::max(shape.section_mm2, section.area_mm2() * std::abs(section.normal.dot(outward)));
   }
-  return depth_mm == 0 ? 0 : depth_mm + 1.5 * frame.thickness_along_mm(outward);
+  if (shape.depth_mm > 0) shape.depth_mm += 1.5 * frame.thickness_along_mm(outward);
+  return shape;
 }
 
 /// Cuts the ends of the piece that a voxel belongs to.
@@ -90,13 +94,13 @@ std::vector<Vec3> clip_piece(LabelImage& image, const Index3& voxel, const Local
   const auto is_wide = [&](std::uint32_t tip) { return lines.scalars.at("radius")[tip] >= voxel_mm; };
   const auto cut = [&](const AxisPlace& at) {
     planes.push_back(
-        cut_off_vessel(image, at.across, at.radius_mm, kMaxWideningAtEnds, CutPart::kAbove).plane);
+        cut_off_vessel(image, at.across, at.section_radius_mm, kMaxWideningAtEnds, CutPart::kAbove).plane);
   };
   const std::vector<BorderSection> sections = border_sections(image, planes);
-  const auto depth_mm = [&](const Vec3& end, const Vec3& outward, double radius_mm) {
-    return depth_of_end(image.frame(), sections, end, outward, radius_mm);
+  const auto shape_of = [&](const Vec3& end, const Vec3& outward, double radius_mm) {
+    return shape_of_end(image.frame(), sections, end, outward, radius_mm);
   };
-  return cut_ends(lines, length, is_wide, depth_mm, planes, cut, context);
+  return cut_ends(lines, length, is_wide, shape_of, planes, cut, context);
 }
 
 /// Ends without an axis of their own are those that several vessels share, and those of small pieces.

@@ -79,8 +79,14 @@ class SurfaceCutter {
       return false;
     };
     const std::vector<Vec3> tried = cut_ends(
-        lines, length, is_end, [](const Vec3&, const Vec3&, double) { return 0.0; }, {},
-        [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
+        lines, length, is_end,
+        [&](const Vec3& tip, const Vec3& outward, double) {
+          const auto end = std::ranges::find_if(ends, [&](const FlatEnd& e) {
+            return is_at_end(tip, {&e, 1});
+          });
+          return EndShape{0, end == ends.end() ? 0 : end->area_mm2 * std::abs(end->normal.dot(outward))};
+        },
+        {}, [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
     if (ends.empty()) warn_of_closed_ends(closed_ends);
     for (const FlatEnd& end : ends)
       if (std::ranges::none_of(tried, [&](const Vec3& tip) { return is_at_end(tip, std::span(&end, 1)); }))
@@ -113,9 +119,9 @@ class SurfaceCutter {
       if (mesh_.info.patches[static_cast<std::size_t>(p)].kind == PatchKind::kOpening) ends.push_back(p);
     TriangleMesh surface = triangles();
     const SectionPlane plane{place.across.point_mm, place.across.normal.normalized()};
-    const double section_mm2 =
-        surfaces::cut_off_end(surface, plane, place.radius_mm, max_widening, patch_count(), ends, goes)
-            .section_mm2;
+    const double section_mm2 = surfaces::cut_off_end(surface, plane, place.section_radius_mm, max_widening,
+                                                     patch_count(), ends, goes)
+                                   .section_mm2;
     const std::string doubt = doubt_about_section(place, section_mm2);
     if (!doubt.empty()) context_.warn(doubt);
     Patch cap = lost_end(surface);

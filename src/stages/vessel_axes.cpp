@@ -134,7 +134,7 @@ AxisPlace nearest_axis(const Polylines& lines, const Vec3& place_mm) {
       const double radius_mm = lines.scalars.at("radius")[line[at]];
       const double off_radii = (place_mm - foot).norm() / radius_mm;
       if (off_radii < nearest.off_radii)
-        nearest = {off_radii, radius_mm, {foot, direction_at(lines, line, at)}};
+        nearest = {off_radii, radius_mm, {foot, direction_at(lines, line, at)}, radius_mm};
     }
   }
   return nearest;
@@ -218,7 +218,7 @@ AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const Cut
 }
 
 std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
-                           const std::function<bool(std::uint32_t)>& is_end, const EndDepth& depth_mm,
+                           const std::function<bool(std::uint32_t)>& is_end, const ShapeOfEnd& shape_of,
                            const std::vector<CutPlane>& before,
                            const std::function<void(const AxisPlace&)>& cut, const Context& context) {
   std::vector<Vec3> ends;
@@ -236,8 +236,10 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
     try {
       AxisPlace found = place_before(length);
       const double asked_mm = found.across.height(end);
-      const double min_mm = depth_mm(end, found.across.normal, found.radius_mm);
+      const EndShape shape = shape_of(end, found.across.normal, found.radius_mm);
+      const double min_mm = shape.depth_mm;
       if (min_mm > asked_mm) found = place_before({min_mm});
+      found.section_radius_mm = std::max(found.radius_mm, circle_radius(shape.section_mm2));
       cut(found);
       if (min_mm > asked_mm)
         context.warn(
@@ -255,10 +257,9 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
 
 std::string doubt_about_section(const AxisPlace& place, double section_mm2) {
   constexpr double kWide = 1.5;
-  const double of_vessel = std::numbers::pi * place.radius_mm * place.radius_mm;
+  const double radius_mm = place.section_radius_mm, of_vessel = std::numbers::pi * radius_mm * radius_mm;
   if (section_mm2 <= kWide * of_vessel) return "";
-  return section_text("the cut at " + place_text(place.across.point_mm), section_mm2, of_vessel,
-                      place.radius_mm) +
+  return section_text("the cut at " + place_text(place.across.point_mm), section_mm2, of_vessel, radius_mm) +
          "look whether it forks or bulges there";
 }
 

@@ -22,6 +22,9 @@ struct AxisPlace {
   double off_radii = std::numeric_limits<double>::infinity();
   double radius_mm = 0;
   CutPlane across;  ///< Square to the axis.
+  /// Of a circle as large as the vessel's end, where that is known and larger: oval vessels are wider than
+  /// the ball that fits.
+  double section_radius_mm = 0;
 };
 
 /// Axes of the largest piece of an image that planes cut, without what is warned of; none where it is not
@@ -46,21 +49,25 @@ struct AxisPlace {
 /// Sections of ends that are cut unasked, in circles of the vessel's radius: wider ones fork or bulge.
 inline constexpr double kMaxWideningAtEnds = 2;
 
-using EndDepth = std::function<double(const Vec3& end, const Vec3& outward, double radius_mm)>;
+/// An opening seen along a direction out of it.
+struct EndShape {
+  double depth_mm = 0;     ///< How far it reaches against the direction.
+  double section_mm2 = 0;  ///< Of the vessel across the direction; 0 if it is not known.
+};
+using ShapeOfEnd = std::function<EndShape(const Vec3& end, const Vec3& outward, double radius_mm)>;
 
 /// Has the vessels cut at so far from each of their ends; an end that cannot be cut off stays, with a
 /// warning.
 /// An end that an opening cuts off obliquely is cut farther inside where the cut would meet the opening, with
 /// a warning.
-/// @param depth_mm  How far the opening of an end reaches against a direction out of it, beside an axis of
-/// this radius.
+/// @param shape_of  Of the opening at an end, beside an axis of this radius.
 /// @param lines  As above. @param is_end  Whether the end of a line at this point is one to cut off.
 /// @param before  Cuts that were made; may grow by `cut`.
 /// @param cut  Cuts at a place whose normal points to the end. @throws Error{kBadInput} if it cannot be.
 /// @return  These ends.
 [[nodiscard]] std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
                                          const std::function<bool(std::uint32_t)>& is_end,
-                                         const EndDepth& depth_mm, const std::vector<CutPlane>& before,
+                                         const ShapeOfEnd& shape_of, const std::vector<CutPlane>& before,
                                          const std::function<void(const AxisPlace&)>& cut,
                                          const Context& context);
 

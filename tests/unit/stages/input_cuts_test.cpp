@@ -249,6 +249,16 @@ TEST(InputCuts, AnObliqueEndIsCutBehindItsOpening) {
   EXPECT_TRUE(section_is_square("4r", 0.015).empty());
 }
 
+TEST(InputCuts, EndsOfOvalVesselsAreClipped) {
+  std::vector<std::string> warnings;
+  Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+  LabelImage image = fixtures::voxels_of(fixtures::frame_of({40, 24, 60}), {0, 1}, [](const Vec3& p) {
+    return std::hypot((p.x() - 20.2) / 11.5, (p.y() - 11.4) / 4.6) < 1 ? 1 : 0;
+  });
+  EXPECT_EQ(cut_off(image, {{}, {}, local_length_from("2r")}, context).size(), 2U);
+  EXPECT_TRUE(warnings.empty()) << warnings.front();
+}
+
 TEST(InputCuts, AnEndThatTwoVesselsShareStaysAndIsTold) {
   std::vector<std::string> warnings;
   Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });

@@ -384,6 +384,20 @@ TEST_F(SurfaceCuts, EndsAreCutSquareAndSacsAreNot) {
   EXPECT_EQ(domain_of(cut)->flat_ends().size(), 2U);
 }
 
+TEST_F(SurfaceCuts, EndsOfOvalVesselsAreCut) {
+  constexpr double kLong = 3.2, kShort = 1.28;  // The ball that fits has 0.4 of the section's area.
+  InputCuts cuts;
+  cuts.ends = local_length_from("1r");
+  Tube oval;
+  oval.radius = [](double angle) {
+    return kLong * kShort / std::hypot(kShort * std::cos(angle), kLong * std::sin(angle));
+  };
+  const double given_mm3 = volume_of(read(soup_of(oval), {}).mesh);
+  const MixedMesh cut = read(soup_of(oval), cuts).mesh;
+  EXPECT_NEAR(volume_of(cut) / given_mm3, (20 - 2 * kShort) / 20, 0.03);
+  EXPECT_NEAR(end_named(cut, "inlet_1").area_mm2, given_mm3 / 20, 0.01 * given_mm3 / 20);
+}
+
 TEST_F(SurfaceCuts, EndsThatAPlaneMadeAreCutToo) {
   InputCuts cuts;
   cuts.planes = {{{0, 0, 15}, {0.3, 0, 1}}};
