@@ -22,8 +22,8 @@ struct AxisPlace {
   double off_radii = std::numeric_limits<double>::infinity();
   double radius_mm = 0;
   CutPlane across;  ///< Square to the axis.
-  /// Of a circle as large as the vessel's end, where that is known and larger: oval vessels are wider than
-  /// the ball that fits.
+  /// Radius of a circle as large as the vessel's end, where that is known and larger: oval vessels are wider
+  /// than the ball that fits.
   double section_radius_mm = 0;
 };
 
@@ -52,7 +52,7 @@ inline constexpr double kMaxWideningAtEnds = 2;
 /// An opening seen along a direction out of it.
 struct EndShape {
   double depth_mm = 0;     ///< How far it reaches against the direction.
-  double section_mm2 = 0;  ///< Of the vessel across the direction; 0 if it is not known.
+  double section_mm2 = 0;  ///< Area of the vessel across the direction; 0 if it is not known.
 };
 using ShapeOfEnd = std::function<EndShape(const Vec3& end, const Vec3& outward, double radius_mm)>;
 
