@@ -112,14 +112,26 @@ Polylines lines_of_pieces(const std::vector<Piece>& pieces, const Extract& extra
   return all;
 }
 
-/// The way of a line around one of its points, over two radii; without its ends, which bend into the corners
-/// of oblique tips.
+/// Direction of a line at one of its points, over two radii; without its ends, which bend into the corners of
+/// oblique tips. Before these it is that of the parabola over the next two radii.
 Vec3 direction_at(const Polylines& lines, const std::vector<std::uint32_t>& line, std::size_t at) {
   constexpr std::size_t kTip = 2, kHalf = 4;  // Points are a quarter of a radius apart.
   const std::size_t first = std::min(kTip, (line.size() - 1) / 3), last = line.size() - 1 - first;
   const std::size_t half = std::min(kHalf, (last - first) / 2);
   const std::size_t middle = std::clamp(at, first + half, last - half);
-  return lines.points[line[middle + half]] - lines.points[line[middle - half]];
+  // Least squares in c k^2 + b k + a, of which c; b is the chord's.
+  const auto reach = static_cast<double>(std::max<std::size_t>(1, half));
+  const double mean = reach * (reach + 1) / 3;  // Of the k^2.
+  Vec3 bend = Vec3::Zero();
+  double squares = 0;
+  for (std::size_t i = middle - half; i <= middle + half; ++i) {
+    const double k = static_cast<double>(i) - static_cast<double>(middle);
+    bend += (k * k - mean) * lines.points[line[i]];
+    squares += (k * k - mean) * (k * k - mean);
+  }
+  const double beyond = static_cast<double>(at) - static_cast<double>(middle);
+  const Vec3 chord = (lines.points[line[middle + half]] - lines.points[line[middle - half]]) / (2 * reach);
+  return squares > 0 ? Vec3(chord + 2 * beyond / squares * bend) : chord;
 }
 
 /// The vessel that the place is the fewest radii off.
