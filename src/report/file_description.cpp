@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <span>
 #include <tuple>
 
 #include "closed_json.hpp"
@@ -189,7 +190,15 @@ json describe_mesh(MixedMesh mesh) {
   return all;
 }
 
-/// Of the flat ends of a closed surface; not of a very large one: that is not worth the time.
+/// Patches of these names are openings, as meshes of the surface will have them.
+void take_kinds(std::span<const Patch> known, json& patches) {
+  for (json& described : patches)
+    for (const Patch& patch : known)
+      if (patch.kind == PatchKind::kOpening && described["name"] == patch.name)
+        described["kind"] = kind_word(patch.kind, patch.flow);
+}
+
+/// Openings of the flat ends of a closed surface; not of a very large one: that is not worth the time.
 void add_openings_of_surface(const DescriptionRequest& request, json& all, Context& context) {
   const auto& [path, unit] = std::tie(request.path, request.selection.unit);
   constexpr std::size_t kMaxTriangles = 1'000'000;
@@ -200,6 +209,7 @@ void add_openings_of_surface(const DescriptionRequest& request, json& all, Conte
     if (surface.triangles.size() > kMaxTriangles)
       return leave_out(fmt::format("more than {} triangles", kMaxTriangles));
     const PatchedSurface patched(surface_view(surface, given.resolution_mm));
+    take_kinds(patched.patches(), all["patches"]);
     name_closed(given.closed, patched.flat_ends());
     warn_of_filled_ends(given.closed, context);
     if (!given.closed.empty()) all["would_close"] = tidied(closed_json(given.closed));

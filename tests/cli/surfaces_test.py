@@ -463,6 +463,18 @@ class SurfacesTest(ProgramTest):
         names, _ = self.patches_made(self.solids(("vessel", points, triangles), ("nothing", points, [])))
         self.assertEqual(names, {"wall": "wall", "inlet_1": "opening", "outlet_1": "opening"})
 
+    def test_ends_of_a_channel_with_flat_sides_are_openings(self):
+        points, wall, low, high = closed_tube(around=4)
+        ids = [7] * len(wall) + [8] * len(low) + [9] * len(high)
+        source = self.vtp(points, wall + low + high, ModelFaceID=ids)
+        for options in ((), ("--extend", "2r")):
+            told = json.loads(self.run_well("info", source, "--json", *options).stdout)
+            self.assertEqual({p["name"]: p["kind"] for p in told["patches"]},
+                             {"face_7": "wall", "face_8": "opening", "face_9": "opening"})
+            self.assertEqual(sorted(o["name"] for o in told["openings"]), ["face_8", "face_9"])
+            for opening in told["openings"]:
+                self.assertAlmostEqual(opening["area_mm2"], 8, places=6)
+
     def test_an_array_of_numbers_that_no_patch_has_is_told(self):
         points, wall, low, high = closed_tube()
         good = [7] * len(wall) + [8] * len(low) + [9] * len(high)
