@@ -198,7 +198,7 @@ void turn_to_lps(const NrrdNotes& notes, ImageHeader& header) {
 
 RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoice& choice, Context& context) {
   const bool is_nrrd = dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
-  const NrrdNotes notes = is_nrrd ? nrrd_notes(path) : NrrdNotes{true, 1};  // Before ITK reads it.
+  const NrrdNotes notes = is_nrrd ? nrrd_notes(path) : NrrdNotes{kAllAxes, 1};  // Before ITK reads it.
   ImageHeader header = read_header(path, io);
   header.has_spacing = notes.has_spacing;
   turn_to_lps(notes, header);
@@ -275,7 +275,7 @@ RawImage read_dicom_series(const fs::path& path, const FileChoice& choice, Conte
     header.origin_mm[i] = output->GetOrigin()[i] * choice.unit_mm.value_or(1);
     for (unsigned row = 0; row < 3; ++row) header.direction(row, i) = output->GetDirection()(row, i);
   }
-  header.has_spacing = series.have_pixel_sizes;
+  header.has_spacing = series.have_pixel_sizes ? kAllAxes : kNoAxis;
   header.unit_is_given = choice.unit_mm.has_value();
   static_cast<void>(chosen_volumes(path, header, choice));
   if (series.have_pixel_sizes && !series.have_places)

@@ -144,7 +144,7 @@ ImageHeader place(const fs::path& path, const MetaHeader& header, const FileChoi
   const auto spacing = header.numbers({"ElementSpacing", "ElementSize"}, n);
   const auto origin = header.numbers({"Offset", "Position", "Origin"}, n);
   const auto axes = header.numbers({"TransformMatrix", "Rotation", "Orientation"}, n * n);
-  image.has_spacing = !spacing.empty();
+  image.has_spacing = spacing.empty() ? kNoAxis : kAllAxes;
   image.type = voxel_type(path, header.text({"ElementType"}));
   constexpr double kLargestSide = 1e9;
   for (std::size_t i = 0; i < 3; ++i) {

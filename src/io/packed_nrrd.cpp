@@ -1,12 +1,15 @@
 // The voxels of the NRRD files that most programs write, http://teem.sourceforge.net/nrrd/format.html.
 #include <libdeflate.h>
 
+#include <array>
 #include <bit>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <span>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,6 +33,10 @@ bool is_field(std::string_view line, std::string_view field) {
   std::string name(line.substr(0, colon));
   std::erase(name, ' ');
   return name == field;
+}
+
+bool holds_number(std::string_view text) {
+  return text.find_first_of("0123456789") != std::string_view::npos;
 }
 
 bool holds(std::string_view line, std::string_view word) {
@@ -103,6 +110,35 @@ std::string_view field_value(std::string_view line) {
   return trimmed(line);
 }
 
+/// Texts of a field, one per axis: words, or vectors in brackets.
+std::vector<std::string> values_of(std::string_view text) {
+  std::string joined(text);
+  bool is_vector = false;
+  for (char& c : joined) {
+    if (c == '(' || c == ')') is_vector = c == '(';
+    if (is_vector && c == ' ') c = '_';
+  }
+  std::istringstream in(joined);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
+/// Whether an axis is one of the grid rather than of the values of a voxel, by its kind.
+bool is_of_grid(const std::string& kind) {
+  return kind == "domain" || kind == "space" || kind == "time" || kind == "none" || kind == "???";
+}
+
+/// Which axes of the grid have a spacing: "nan" stands for one that is not known.
+std::array<bool, 3> axes_with_spacing(std::span<const std::string> spacings,
+                                      std::span<const std::string> kinds) {
+  std::array<bool, 3> has_spacing = kNoAxis;
+  std::size_t axis = 0;
+  for (std::size_t i = 0; i < spacings.size() && axis < has_spacing.size(); ++i) {
+    if (i < kinds.size() && !is_of_grid(kinds[i])) continue;
+    has_spacing.at(axis++) = holds_number(spacings[i]);
+  }
+  return has_spacing;
+}
+
 NrrdPacking packing_of(const fs::path& path, std::istream& in, std::size_t voxel_bytes) {
   NrrdPacking packing;
   packing.has_own_order = voxel_bytes == 1;
@@ -136,21 +172,23 @@ NrrdNotes nrrd_notes(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   NrrdNotes notes;
   std::vector<Vec3> axes;
+  std::vector<std::string> spacings, kinds;
   std::optional<Vec3> to_lps;
   std::string text;
   while (std::getline(in, text) && !text.empty() && text != "\r") {
     if (text.size() > (is_free_text(text) ? kLongestText : kLongestField))
       fail(path, "has a damaged header (a very long line); save it again");
     text = lower_case(std::string(trimmed(text, "\r")));
-    const bool has_digits = text.find_first_of("0123456789") != std::string::npos;
     if (is_field(text, "spacings") || is_field(text, "spacedirections"))
-      notes.has_spacing = notes.has_spacing || has_digits;
+      spacings = values_of(field_value(text));
+    if (is_field(text, "kinds")) kinds = values_of(field_value(text));
     if (is_field(text, "spacedirections")) axes = vectors_of(text);
     if (is_field(text, "space")) to_lps = factors_to_lps(field_value(text));
     if (is_field(text, "spaceunits")) notes.unit_mm = unit_mm(text);
     if (is_field(text, "datafile") && is_pattern(text))
       fail(path, "keeps its voxels in files named by a pattern; save it as one .nrrd file");
   }
+  notes.has_spacing = axes_with_spacing(spacings, kinds);
   if (to_lps) notes.axes = std::move(axes), notes.to_lps = *to_lps;
   return notes;
 }

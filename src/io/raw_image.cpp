@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "file_fault.hpp"
 #include "lumesh/core/angles.hpp"
@@ -56,12 +58,28 @@ Mat3 nearest_orthonormal(const fs::path& path, const Mat3& direction, Context& c
   return repaired;
 }
 
+/// Axes whose spacing is a guess, and the guess; empty if there are none.
+std::string text_of_axes_without_spacing(const ImageHeader& header) {
+  std::vector<int> axes;
+  double taken_mm = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (header.has_spacing.at(static_cast<std::size_t>(i))) continue;
+    axes.push_back(i + 1);
+    taken_mm = header.spacing_mm[i];
+  }
+  if (axes.empty()) return "";
+  if (axes.size() == 3) return fmt::format("; taken as {} mm", taken_mm);
+  return fmt::format(" along {} {}; taken as {} mm", axes.size() == 1 ? "axis" : "axes",
+                     fmt::join(axes, " and "), taken_mm);
+}
+
 void warn_of_size(const fs::path& path, const ImageHeader& header, const ImageFrame& frame,
                   Context& context) {
   const std::string doubt =
       unit_doubt({.longest_mm = frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).maxCoeff()});
-  if (!header.has_spacing)
-    context.warn(path.string() + ": says nothing of the size of voxels; taken as 1 mm");
+  const std::string axes = text_of_axes_without_spacing(header);
+  if (!axes.empty())
+    context.warn(path.string() + ": says nothing of the size of voxels" + axes);
   else if (!doubt.empty() && !header.unit_is_given)
     context.warn(path.string() + ": " + doubt);
 }

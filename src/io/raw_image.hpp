@@ -64,13 +64,16 @@ struct FileChoice {
   std::optional<double> unit_mm = {};     ///< Of the header's lengths, whatever it says itself.
 };
 
+inline constexpr std::array<bool, 3> kAllAxes = {true, true, true};
+inline constexpr std::array<bool, 3> kNoAxis = {false, false, false};
+
 /// Contents of the header of an image file; nothing of it is checked.
 struct ImageHeader {
   std::array<std::int64_t, 3> size = {0, 0, 0};
   std::size_t volumes = 1;     ///< Frames of a 4-D image, or values of each voxel.
   bool unit_is_given = false;  ///< By who asks for the image.
   Vec3 spacing_mm = Vec3::Ones();
-  bool has_spacing = true;  ///< False where the file says nothing of it.
+  std::array<bool, 3> has_spacing = kAllAxes;  ///< Along each axis; false where the file says nothing of it.
   Vec3 origin_mm = Vec3::Zero();
   Mat3 direction = Mat3::Identity();  ///< Columns of about unit length, not yet orthonormal.
   VoxelType type = VoxelType::kUInt8;
@@ -179,8 +182,8 @@ void require_sound_nrrd(const std::filesystem::path& path);
 
 /// Fields of an NRRD header that ITK does not look at.
 struct NrrdNotes {
-  bool has_spacing = false;  ///< ITK takes 1 mm where it is missing.
-  double unit_mm = 1;        ///< By "space units".
+  std::array<bool, 3> has_spacing = kNoAxis;  ///< ITK takes 1 where it is missing, or nan.
+  double unit_mm = 1;                         ///< By "space units".
   std::vector<Vec3> axes =
       {};                      ///< "Space directions", in the file's space; empty if that has no known sides.
   Vec3 to_lps = Vec3::Ones();  ///< Factors of its coordinates.

@@ -188,6 +188,18 @@ TEST_F(ImageNotes, WarnsOfSpacingThatIsNotThereOrNotInMillimetres) {
   nrrd.frame = "";
   EXPECT_NE(warning("none.nrrd", nrrd.with(voxels)).find("says nothing of the size of voxels"),
             std::string::npos);
+  // "Unknown" of the format, http://teem.sourceforge.net/nrrd/format.html#spacings.
+  nrrd.frame = "spacings: nan NaN 0.5\n";
+  EXPECT_NE(warning("two.nrrd", nrrd.with(voxels)).find("voxels along axes 1 and 2; taken as 1 mm"),
+            std::string::npos);
+  nrrd.frame = "space: LPS\nspace directions: (0.5, 0, 0) (nan,nan,nan) (0,0,0.5)\n";
+  EXPECT_NE(warning("vectors.nrrd", nrrd.with(voxels)).find("voxels along axis 2; taken as 1 mm"),
+            std::string::npos);
+  NrrdText frames{.dimension = "4", .sizes = "3 4 5 1", .frame = "spacings: 1 1 1 nan\n"};
+  EXPECT_EQ(warning("time.nrrd", frames.with(voxels)), "");
+  NrrdText values{.dimension = "4", .sizes = "1 3 4 5", .frame = "spacings: nan 1 1 1\n"};
+  values.extra = "kinds: vector domain domain domain\n";
+  EXPECT_EQ(warning("values.nrrd", values.with(voxels)), "");
   nrrd.frame = "spacings: 0.0005 0.0005 0.0005\n";
   EXPECT_NE(warning("metres.nrrd", nrrd.with(voxels)).find("in metres?"), std::string::npos);
   nrrd.frame = "spacings: 900 900 900\n";
