@@ -18,6 +18,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "raw_image.hpp"
 #include "unpacked_file.hpp"
 #include "utf8.hpp"
@@ -198,14 +199,15 @@ void turn_to_lps(const NrrdNotes& notes, ImageHeader& header) {
 
 RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoice& choice, Context& context) {
   const bool is_nrrd = dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
-  const NrrdNotes notes = is_nrrd ? nrrd_notes(path) : NrrdNotes{kAllAxes, 1};  // Before ITK reads it.
+  const NrrdNotes notes = is_nrrd ? nrrd_notes(path) : NrrdNotes{kAllAxes};  // Before ITK reads it.
   ImageHeader header = read_header(path, io);
   header.has_spacing = notes.has_spacing;
   turn_to_lps(notes, header);
-  const double unit_mm = choice.unit_mm.value_or(notes.unit_mm);
+  const double unit_mm = choice.unit_mm.value_or(notes.unit.empty() ? 1 : unit_in_mm(notes.unit));
   header.spacing_mm *= unit_mm;
   header.origin_mm *= unit_mm;
   header.unit_is_given = choice.unit_mm.has_value();
+  header.stated_unit = notes.unit;
   RawImage image;
   image.frame = checked_frame(path, header, context);
   image.type = header.type;

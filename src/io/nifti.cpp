@@ -5,10 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "file_fault.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
 #include "unpacked_file.hpp"
@@ -133,14 +135,17 @@ Mat3 quaternion_axes(const NiftiHeader& header) {
   return axes;
 }
 
-double unit_mm(int units) {
-  switch (units & 7) {
+/// Unit that a header states; empty if it states none.
+std::string unit_of(const NiftiHeader& header) {
+  switch (header.units() & 7) {
     case 1:
-      return 1000;  // Metres.
+      return "m";
+    case 2:
+      return "mm";
     case 3:
-      return 0.001;  // Micrometres.
+      return "um";
     default:
-      return 1;  // Millimetres, or not said.
+      return "";
   }
 }
 
@@ -220,7 +225,8 @@ ImageHeader place(const fs::path& path, const NiftiHeader& header, const FileCho
   }
   image.direction.topRows<2>() *= -1;  // RAS to LPS.
   image.origin_mm.head<2>() *= -1;
-  const double scale = choice.unit_mm.value_or(unit_mm(header.units()));
+  image.stated_unit = unit_of(header);
+  const double scale = choice.unit_mm.value_or(image.stated_unit.empty() ? 1 : unit_in_mm(image.stated_unit));
   image.spacing_mm *= scale;
   image.origin_mm *= scale;
   return image;

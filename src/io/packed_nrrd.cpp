@@ -50,15 +50,19 @@ bool is_free_text(std::string_view line) {
          (colon != std::string_view::npos && line.substr(colon).starts_with(":="));
 }
 
-/// Unit named by a line such as: space units: "m" "m" "m".
-double unit_mm(std::string_view line) {
-  const std::size_t begin = line.find('"'), end = line.find('"', begin + 1);
-  if (begin == std::string_view::npos || end == std::string_view::npos) return 1;
-  const std::string_view unit = line.substr(begin + 1, end - begin - 1);
-  if (unit == "m" || unit == "meter" || unit == "meters") return 1000;
-  if (unit == "cm") return 10;
-  if (unit == "um" || unit == "micron" || unit == "microns" || unit == "micrometer") return 0.001;
-  return 1;
+/// First unit of length in a line such as: units: "" "m" "m" "m"; empty if there is none.
+std::string unit_of(std::string_view line) {
+  for (std::size_t begin = line.find('"'); begin != std::string_view::npos;) {
+    const std::size_t end = line.find('"', begin + 1);
+    if (end == std::string_view::npos) break;
+    const std::string_view unit = line.substr(begin + 1, end - begin - 1);
+    if (unit == "m" || unit == "meter" || unit == "meters") return "m";
+    if (unit == "cm" || unit == "mm") return std::string(unit);
+    if (unit == "millimeter" || unit == "millimeters") return "mm";
+    if (unit == "um" || unit == "micron" || unit == "microns" || unit == "micrometer") return "um";
+    begin = line.find('"', end + 1);
+  }
+  return "";
 }
 
 /// The vectors of a line such as: space directions: none (0,1,0) (0,0,-1) (1.5,0,0)
@@ -184,7 +188,7 @@ NrrdNotes nrrd_notes(const fs::path& path) {
     if (is_field(text, "kinds")) kinds = values_of(field_value(text));
     if (is_field(text, "spacedirections")) axes = vectors_of(text);
     if (is_field(text, "space")) to_lps = factors_to_lps(field_value(text));
-    if (is_field(text, "spaceunits")) notes.unit_mm = unit_mm(text);
+    if (is_field(text, "spaceunits") || is_field(text, "units")) notes.unit = unit_of(text);
     if (is_field(text, "datafile") && is_pattern(text))
       fail(path, "keeps its voxels in files named by a pattern; save it as one .nrrd file");
   }

@@ -76,7 +76,8 @@ std::string text_of_axes_without_spacing(const ImageHeader& header) {
 void warn_of_size(const fs::path& path, const ImageHeader& header, const ImageFrame& frame,
                   Context& context) {
   const std::string doubt =
-      unit_doubt({.longest_mm = frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).maxCoeff()});
+      unit_doubt({.longest_mm = frame.spacing_mm.cwiseProduct(frame.size.cast<double>()).maxCoeff(),
+                  .stated_unit = header.stated_unit});
   const std::string axes = text_of_axes_without_spacing(header);
   if (!axes.empty())
     context.warn(path.string() + ": says nothing of the size of voxels" + axes);

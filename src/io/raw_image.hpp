@@ -70,8 +70,9 @@ inline constexpr std::array<bool, 3> kNoAxis = {false, false, false};
 /// Contents of the header of an image file; nothing of it is checked.
 struct ImageHeader {
   std::array<std::int64_t, 3> size = {0, 0, 0};
-  std::size_t volumes = 1;     ///< Frames of a 4-D image, or values of each voxel.
-  bool unit_is_given = false;  ///< By who asks for the image.
+  std::size_t volumes = 1;       ///< Frames of a 4-D image, or values of each voxel.
+  bool unit_is_given = false;    ///< By who asks for the image.
+  std::string stated_unit = {};  ///< By the file: a word of length_units(); empty: none.
   Vec3 spacing_mm = Vec3::Ones();
   std::array<bool, 3> has_spacing = kAllAxes;  ///< Along each axis; false where the file says nothing of it.
   Vec3 origin_mm = Vec3::Zero();
@@ -183,7 +184,7 @@ void require_sound_nrrd(const std::filesystem::path& path);
 /// Fields of an NRRD header that ITK does not look at.
 struct NrrdNotes {
   std::array<bool, 3> has_spacing = kNoAxis;  ///< ITK takes 1 where it is missing, or nan.
-  double unit_mm = 1;                         ///< By "space units".
+  std::string unit = {};  ///< By "space units" or "units": a word of length_units(); empty: none.
   std::vector<Vec3> axes =
       {};                      ///< "Space directions", in the file's space; empty if that has no known sides.
   Vec3 to_lps = Vec3::Ones();  ///< Factors of its coordinates.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 
 #include "lumesh/mesh/face_numbers.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 
 namespace lumesh {
 
@@ -21,8 +23,26 @@ bool is_thin(const ModelSizes& sizes) {
   return radius_mm < kThinRadiusMm || sizes.longest_mm > std::min(kLongMm, kLongInRadii * radius_mm);
 }
 
-std::string remedy(const char* unit) {
-  return fmt::format("`unit` {} says so, `unit` mm the opposite", unit);
+constexpr double kMinMm = 1, kMaxMm = 4000;
+
+bool is_like_vessels(double longest_mm) {
+  return longest_mm >= kMinMm && longest_mm <= kMaxMm;
+}
+
+std::string remedy(const std::string& unit, const std::string& otherwise = "mm") {
+  return fmt::format("`unit` {} says so, `unit` {} the opposite", unit, otherwise);
+}
+
+/// Doubt about the unit that a file states: the question is for the first one that makes a vessel of it.
+std::string doubt_of_stated_unit(const ModelSizes& sizes) {
+  if (is_like_vessels(sizes.longest_mm)) return "";
+  const std::string& stated = sizes.stated_unit;
+  const std::string told =
+      fmt::format("is {:.3g} mm long by the unit that it states, {}", sizes.longest_mm, stated);
+  for (const auto& [word, unit] : length_units(false))
+    if (is_like_vessels(sizes.longest_mm / unit_in_mm(stated) * unit_in_mm(unit)))
+      return fmt::format("{}; is it in {}? {}", told, word, remedy(unit, stated));
+  return fmt::format("{}; `unit` says another one, `unit` {} that this is right", told, stated);
 }
 
 }  // namespace
@@ -33,8 +53,8 @@ bool has_numbered_faces(std::span<const Patch> patches) {
 }
 
 std::string unit_doubt(const ModelSizes& sizes) {
-  constexpr double kMinMm = 1, kMaxMm = 4000;
   constexpr double kShortModelMm = 10;  // Crops of brain arteries in mm may be half as long.
+  if (!sizes.stated_unit.empty()) return doubt_of_stated_unit(sizes);
   if (sizes.longest_mm < kMinMm)
     return fmt::format("is {:.3g} mm long; is it in metres? {}", sizes.longest_mm, remedy("m"));
   if (sizes.longest_mm > kMaxMm)

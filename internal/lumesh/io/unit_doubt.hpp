@@ -13,6 +13,7 @@ struct ModelSizes {
   double longest_mm = 0;            ///< Longest side of its box.
   double widest_radius_mm = 0;      ///< Radius of the widest opening; 0: not known.
   bool has_numbered_faces = false;  ///< Numbers for names, as models of SimVascular have, often in cm.
+  std::string stated_unit = {};     ///< Unit that the file states, a word of length_units(); empty: none.
 };
 
 /// Whether a file has numbers of faces, rather than names.
@@ -20,7 +21,8 @@ struct ModelSizes {
 
 /// A warning of the unit; empty if sizes are those of vessels in mm. Warned of: a whole that is shorter
 /// than 1 mm or longer than a body; a widest opening of less than 0.5 mm in radius, or as thin as large
-/// vessels in cm are where the whole is long; and numbered faces where the whole is shorter than 10 mm.
+/// vessels in cm are where the whole is long; and numbered faces where the whole is shorter than 10 mm. Of a
+/// file that states its unit, the whole alone is judged, and the question is whether it is in another one.
 [[nodiscard]] std::string unit_doubt(const ModelSizes& sizes);
 
 }  // namespace lumesh

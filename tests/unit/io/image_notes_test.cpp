@@ -158,6 +158,8 @@ TEST_F(ImageNotes, UnitsOfNrrdAreFollowedAndWhatBreaksItsLibraryIsRefused) {
   NrrdText nrrd;
   nrrd.frame += "space units: \"cm\" \"cm\" \"cm\"\n";
   EXPECT_EQ(read("cm.nrrd", nrrd.with(voxels)).frame().spacing_mm, Vec3(10, 10, 10));
+  NrrdText of_axes{.frame = "spacings: 1 1 1\nunits: \"cm\" \"cm\" \"cm\"\n"};
+  EXPECT_EQ(read("axes.nrrd", of_axes.with(voxels)).frame().spacing_mm, Vec3(10, 10, 10));
   NrrdText longest;
   longest.extra = "# " + std::string(100000, 'x') + "\n";
   EXPECT_NE(fixtures::error_of([&] { (void)read("long.nrrd", longest.with(voxels)); }).find("very long line"),
@@ -202,6 +204,10 @@ TEST_F(ImageNotes, WarnsOfSpacingThatIsNotThereOrNotInMillimetres) {
   EXPECT_EQ(warning("values.nrrd", values.with(voxels)), "");
   nrrd.frame = "spacings: 0.0005 0.0005 0.0005\n";
   EXPECT_NE(warning("metres.nrrd", nrrd.with(voxels)).find("in metres?"), std::string::npos);
+  const NiftiBytes nifti{.units = 3};  // Micrometres.
+  EXPECT_NE(warning("stated.nii", nifti.with(voxels)).find("states, um; is it in mm?"), std::string::npos);
+  nrrd.frame = "spacings: 900 900 900\nunits: \"mm\" \"mm\" \"mm\"\n";
+  EXPECT_NE(warning("stated.nrrd", nrrd.with(voxels)).find("states, mm; is it in um?"), std::string::npos);
   nrrd.frame = "spacings: 900 900 900\n";
   EXPECT_NE(warning("micrometres.nrrd", nrrd.with(voxels)).find("in micrometres?"), std::string::npos);
   EXPECT_NE(warning("none.mha",

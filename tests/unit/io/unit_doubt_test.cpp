@@ -18,6 +18,19 @@ TEST(UnitDoubt, IsOfLengthsThatNoVesselHasInMillimetres) {
   EXPECT_NE(unit_doubt({3.5, 0.25}).find("`unit` cm says so"), std::string::npos);
 }
 
+TEST(UnitDoubt, AsksForAnotherUnitThanTheOneThatAFileStates) {
+  const std::string micrometres = unit_doubt({.longest_mm = 0.04, .stated_unit = "um"});
+  EXPECT_NE(micrometres.find("states, um; is it in mm? `unit` mm says so, `unit` um"), std::string::npos)
+      << micrometres;
+  const std::string metres = unit_doubt({.longest_mm = 40000, .stated_unit = "m"});
+  EXPECT_NE(metres.find("states, m; is it in mm?"), std::string::npos) << metres;
+  const std::string millimetres = unit_doubt({.longest_mm = 0.04, .stated_unit = "mm"});
+  EXPECT_NE(millimetres.find("states, mm; is it in m?"), std::string::npos) << millimetres;
+  const std::string none = unit_doubt({.longest_mm = 1e-6, .stated_unit = "mm"});
+  EXPECT_NE(none.find("`unit` mm that this is right"), std::string::npos) << none;
+  EXPECT_EQ(unit_doubt({.longest_mm = 40, .stated_unit = "um"}), "");
+}
+
 TEST(UnitDoubt, IsOfShortModelsWithNumberedFaces) {
   const std::vector<Patch> numbered = {{"face_1"}}, named = {{"wall"}};
   EXPECT_TRUE(has_numbered_faces(numbered));
