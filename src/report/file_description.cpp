@@ -14,6 +14,7 @@
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/domain/patched_surface.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/image/crossings.hpp"
 #include "lumesh/image/grey_values.hpp"
@@ -254,7 +255,8 @@ void add_openings(LabelImage& image, const InputCuts& cuts, std::vector<CutPlane
     } else {
       for (const std::string& doubt : doubts_about_shapes(image, *domain, openings)) context.warn(doubt);
     }
-    for (const std::string& doubt : doubts_about_sections(image, domain->cut_planes(), openings))
+    for (const std::string& doubt :
+         doubts_about_sections(image, domain->cut_planes(), openings, domain->field().fidelity()))
       context.warn(doubt);
     all["openings"] = describe_openings(openings);
     all["vessel_ends"] = describe_ends(ends);

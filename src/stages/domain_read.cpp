@@ -148,7 +148,8 @@ void DomainRead::look_at_surface() {
 
 std::vector<std::string> DomainRead::doubts_about_openings() {
   if (!image) return {};
-  std::vector<std::string> doubts = doubts_about_sections(*image, domain().cut_planes(), openings());
+  std::vector<std::string> doubts =
+      doubts_about_sections(*image, domain().cut_planes(), openings(), input_.field.fidelity);
   if (input_.cuts.extension.is_wanted()) return doubts;  // The others were told before the extensions.
   if (const std::string volumes = doubt_about_volumes(*image, *domain_of_image()); !volumes.empty())
     doubts.push_back(volumes);

@@ -14,6 +14,7 @@
 #include "lumesh/core/place_text.hpp"
 #include "lumesh/domain/local_volumes.hpp"
 #include "lumesh/domain/vessel_cut.hpp"
+#include "lumesh/field/label_field.hpp"
 #include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/stages/opening_sections.hpp"
@@ -194,7 +195,8 @@ std::shared_ptr<const ImageDomain> extended_domain(LabelImage& image, std::vecto
     throw Error(ErrorKind::kBadInput, option_name("extend") +
                                           ": no vessel leaves the image; cut them with `cut_at` or "
                                           "`clip_ends`, which makes openings");
-  for (const std::string& doubt : doubts_about_sections(image, domain.cut_planes(), openings))
+  for (const std::string& doubt :
+       doubts_about_sections(image, domain.cut_planes(), openings, domain.field().fidelity()))
     context.warn(doubt);
   for (const std::string& doubt : doubts_about_shapes(image, domain, openings)) context.warn(doubt);
   if (const std::string doubt = doubt_about_volumes(image, domain); !doubt.empty()) context.warn(doubt);

@@ -173,7 +173,8 @@ std::string doubt_of_side(const Opening& opening, const SideCut& cut) {
       option_name("cut_at"), option_name("clip_ends"));
 }
 
-std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<const Opening> openings) {
+std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<const Opening> openings,
+                     BoundaryFidelity fidelity) {
   if (voxels.sections > 1)
     return fmt::format(
         "{} at {} joins {} sections that are separate in the voxels; the image is too coarse there, or "
@@ -196,9 +197,10 @@ std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<con
   const double off = opening.area_mm2 - voxels.area_mm2;
   return fmt::format(
       "{} at {} has {:.4g} mm², {:.0f} % {} than its {:.4g} mm² of voxel faces; cut it a few voxels "
-      "further in with {}, or try `boundary` exact",
+      "further in with {}{}",
       opening.name, place_text(opening.centre_mm), opening.area_mm2, 100 * std::abs(off) / voxels.area_mm2,
-      off > 0 ? "more" : "less", voxels.area_mm2, "`cut_plane`");
+      off > 0 ? "more" : "less", voxels.area_mm2, "`cut_plane`",
+      fidelity == BoundaryFidelity::kExact ? "" : ", or try `boundary` exact");
 }
 
 /// A line for all of them, at least one.
@@ -328,7 +330,7 @@ std::vector<BorderSection> border_sections(const LabelImage& image, std::span<co
 }
 
 std::vector<std::string> doubts_about_sections(const LabelImage& image, std::span<const CutPlane> cuts,
-                                               std::span<const Opening> openings) {
+                                               std::span<const Opening> openings, BoundaryFidelity fidelity) {
   std::vector<std::string> doubts, sides(openings.size());
   const auto look_at = [&](const BorderSection& section, std::optional<std::size_t> opening) {
     if (!section.is_wide()) return;
@@ -343,7 +345,7 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   std::vector<const Opening*> tiny;
   for (std::size_t i = 0; i < openings.size(); ++i) {
     if (of_openings[i].area_mm2 == 0) continue;
-    std::string doubt = doubt_of(openings[i], of_openings[i], openings);
+    std::string doubt = doubt_of(openings[i], of_openings[i], openings, fidelity);
     if (!sides[i].empty()) {
       // Says more than that its area is uncertain.
       if (of_openings[i].sections > 1) doubts.push_back(std::move(doubt));

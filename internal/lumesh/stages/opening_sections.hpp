@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lumesh/domain/openings.hpp"
+#include "lumesh/field/field_options.hpp"
 #include "lumesh/image/label_image.hpp"
 
 namespace lumesh {
@@ -49,11 +50,12 @@ struct BorderSection {
 /// that one vessel leaves through their edge. Smooth sections and voxels differ by less, measured on oblique
 /// cylinders of 1.5 to 20 voxels in radius. For openings that are no ends of vessels, but cut along one or
 /// off the side of one, instead of lines on their areas.
-/// @param cuts  What lies beyond them is left out. Cost: linear in the faces of the border and, for each of
-/// its sections, in up to eight times its faces, a radius deep.
-[[nodiscard]] std::vector<std::string> doubts_about_sections(const LabelImage& image,
-                                                             std::span<const CutPlane> cuts,
-                                                             std::span<const Opening> openings);
+/// @param cuts  What lies beyond them is left out.
+/// @param fidelity  Of the domain's boundary: remedies do not name what is in use. Cost: linear in the faces
+/// of the border and, for each of its sections, in up to eight times its faces, a radius deep.
+[[nodiscard]] std::vector<std::string> doubts_about_sections(
+    const LabelImage& image, std::span<const CutPlane> cuts, std::span<const Opening> openings,
+    BoundaryFidelity fidelity = BoundaryFidelity::kSmooth);
 
 /// A line for each opening whose section narrows between two parts, here and further in, as where two vessels
 /// touch, and for each at the image's border whose area is likely to be 8.5 % off or more, as its section

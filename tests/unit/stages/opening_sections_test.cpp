@@ -130,6 +130,18 @@ TEST(OpeningSections, AreasSectionsAndGapsThatAreWrongAreTold) {
   EXPECT_NE(doubts[0].find("is in no opening"), std::string::npos) << doubts[0];
 }
 
+TEST(OpeningSections, RemediesDoNotNameTheBoundaryThatIsInUse) {
+  const LabelImage image = two_tubes(5.2, 0);
+  std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+  openings[1].area_mm2 *= 1.5;
+  for (const BoundaryFidelity fidelity : {BoundaryFidelity::kSmooth, BoundaryFidelity::kExact}) {
+    const std::vector<std::string> doubts = doubts_about_sections(image, {}, openings, fidelity);
+    ASSERT_EQ(doubts.size(), 1U);
+    const bool names_it = doubts[0].find("`boundary` exact") != std::string::npos;
+    EXPECT_EQ(names_it, fidelity == BoundaryFidelity::kSmooth) << doubts[0];
+  }
+}
+
 /// Voxels of vessels of 5.2 and 9 voxels in radius tell their sections to a tenth and less.
 TEST(OpeningSections, FifteenPerCentTooMuchOrTooLittleAreTold) {
   for (const double radius : {5.2, 9.0})
