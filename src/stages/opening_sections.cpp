@@ -19,6 +19,7 @@
 #include "lumesh/core/squares.hpp"
 #include "section_changes.hpp"
 #include "section_waists.hpp"
+#include "shared_outlines.hpp"
 #include "side_cuts.hpp"
 
 namespace lumesh {
@@ -359,6 +360,7 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   }
   if (!tiny.empty()) doubts.push_back(doubt_of_tiny(tiny));
   for (std::string& doubt : doubts_about_edges(image, openings)) doubts.push_back(std::move(doubt));
+  for (std::string& doubt : doubts_about_shared_outlines(openings)) doubts.push_back(std::move(doubt));
   return doubts;
 }
 

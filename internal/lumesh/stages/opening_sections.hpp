@@ -47,7 +47,8 @@ struct BorderSection {
 /// tenth of what the section differs from the next layer's by; or that grows by more than a quarter within a
 /// voxel, as a wall along the border does; or joined from separate sections; for sections of at least 8 faces
 /// that are in no opening; for sections of hollow walls; and for openings in two or three faces of the image
-/// that one vessel leaves through their edge. Smooth sections and voxels differ by less, measured on oblique
+/// that one vessel leaves through their edge; and for each pair of labels of which an opening lies in or
+/// around one of the other. Smooth sections and voxels differ by less, measured on oblique
 /// cylinders of 1.5 to 20 voxels in radius. For openings that are no ends of vessels, but cut along one or
 /// off the side of one, instead of lines on their areas.
 /// @param cuts  What lies beyond them is left out.
