@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "file_fault.hpp"
 #include "lumesh/core/grid.hpp"
@@ -196,6 +199,79 @@ bool neighbours_mostly_differ(const LabelImage& image) {
   return axes >= 2;
 }
 
+/// Voxels of each label, and those among them with a smaller value on one side and a greater one on the
+/// other.
+struct StepVoxels {
+  std::vector<std::uint64_t> all, between;
+};
+
+StepVoxels step_voxels(const LabelImage& image) {
+  const Index3& size = image.frame().size;
+  const std::array<std::size_t, 3> steps = {
+      1, static_cast<std::size_t>(size.x()),
+      static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y())};
+  const std::span<const LabelImage::Index> voxels = image.voxels();
+  std::vector<StepVoxels> slices(static_cast<std::size_t>(size.z()));
+  parallel::for_each_index(slices.size(), 1, [&](std::size_t k) {
+    StepVoxels& slice = slices[k];
+    slice.all.assign(image.values().size(), 0);
+    slice.between.assign(image.values().size(), 0);
+    Index3 at(0, 0, static_cast<int>(k));
+    for (std::size_t i = k * steps[2]; i < (k + 1) * steps[2]; ++i) {
+      const LabelImage::Index own = voxels[i];
+      if (own != 0) {
+        bool is_between = false;
+        for (int axis = 0; axis < 3; ++axis) {
+          const std::size_t step = steps.at(static_cast<std::size_t>(axis));
+          const LabelImage::Index before = at[axis] > 0 ? voxels[i - step] : own,
+                                  behind = at[axis] + 1 < size[axis] ? voxels[i + step] : own;
+          is_between = is_between || (before < own && own < behind) || (before > own && own > behind);
+        }
+        ++slice.all[own];
+        slice.between[own] += static_cast<std::uint64_t>(is_between);
+      }
+      if (++at.x() == size.x()) at.x() = 0, ++at.y();
+    }
+  });
+  StepVoxels sum = std::move(slices.front());
+  for (std::size_t k = 1; k < slices.size(); ++k)
+    for (std::size_t label = 0; label < sum.all.size(); ++label) {
+      sum.all[label] += slices[k].all[label];
+      sum.between[label] += slices[k].between[label];
+    }
+  return sum;
+}
+
+/// Whether most labels are but steps from smaller to greater values, as those of a soft mask: in half of
+/// them, more than 2 in 5 voxels lie between the two. In masks blurred by 0.4 to 2 voxels, with noise or
+/// without, in 8 to 31 steps, this median is 0.64 to 1; of segmentations of 5 to 312 labels 0.01 at most.
+bool are_mostly_steps(const LabelImage& image) {
+  constexpr std::size_t kFewest = 5, kMost = 1024;  // Labels; walls of up to four layers are nested, too.
+  constexpr double kMedian = 0.4;
+  const std::size_t labels = image.values().size() - 1;
+  if (labels < kFewest || labels > kMost) return false;
+  const StepVoxels counts = step_voxels(image);
+  std::size_t present = 0, steps = 0;
+  for (std::size_t label = 1; label <= labels; ++label) {
+    present += counts.all[label] > 0 ? 1U : 0U;
+    steps += static_cast<double>(counts.between[label]) > kMedian * static_cast<double>(counts.all[label])
+                 ? 1U
+                 : 0U;
+  }
+  return 2 * steps > present;
+}
+
+/// Why an image that is read as one of labels looks like one of grey values; empty if it does not.
+std::string looks_grey(const LabelImage& image) {
+  const std::size_t labels = image.values().size() - 1;
+  if (neighbours_mostly_differ(image))
+    return fmt::format("has {} different values, and neighbours mostly differ", labels);
+  if (are_mostly_steps(image))
+    return fmt::format("has {} different values, most of them thin steps between smaller and greater ones",
+                       labels);
+  return "";
+}
+
 template <class Voxel>
 LabelImage number_typed(std::span<const Voxel> voxels, const ImageFrame& frame, const fs::path& path,
                         const std::vector<Label>& wanted) {
@@ -203,12 +279,12 @@ LabelImage number_typed(std::span<const Voxel> voxels, const ImageFrame& frame, 
   if (!wanted.empty()) labels = keep_labels(labels, wanted, path);
   LabelImage image(frame, labels);
   map_voxels(voxels, labels, image);
-  if (wanted.empty() && neighbours_mostly_differ(image))
-    fail_as_values(
-        voxels, path,
-        fmt::format("has {} different values, and neighbours mostly differ: these look like grey values "
-                    "rather than labels (if they are labels, name them by `labels`)",
-                    labels.size() - 1));
+  if (!wanted.empty()) return image;
+  if (const std::string why = looks_grey(image); !why.empty())
+    fail_as_values(voxels, path,
+                   why +
+                       ": these look like grey values rather than labels (if they are labels, name them by "
+                       "`labels`)");
   return image;
 }
 

@@ -125,6 +125,39 @@ TEST_F(ImageValues, ARangeTakesWhatIsNeitherTooDarkNorTooBright) {
   for (std::size_t v = 0; v < kCube; ++v) ASSERT_EQ(image.voxels()[v] == 1, grey[v] >= 100 && grey[v] <= 300);
 }
 
+/// Steps of a ball's edge between 0 and the highest value; which ones a voxel has is up to its place where
+/// the edge is a voxel wide.
+TEST_F(ImageValues, SoftMasksOfFewLevelsAreNotTakenForLabels) {
+  for (const int levels : {6, 10, 30})
+    for (const float width : {1.0F, 2.0F, 4.0F}) {
+      const auto soft = cube_of([&](const Vec3& p) {
+        const float share = std::clamp(0.5F + depth(p, 4.2) / width, 0.0F, 1.0F);
+        return static_cast<std::uint8_t>(std::lround(static_cast<float>(levels) * share));
+      });
+      const std::string fault = refusal(soft, "uint8");
+      EXPECT_NE(fault.find("thin steps between smaller and greater"), std::string::npos) << levels << fault;
+      EXPECT_NE(fault.find("`threshold` VALUE"), std::string::npos) << fault;
+      EXPECT_NO_THROW((void)read_cube(soft, "uint8", {.threshold = 0.5 * levels}));
+      EXPECT_NO_THROW((void)read_cube(soft, "uint8", {.labels = {1, 2, 3, 4}}));
+    }
+}
+
+TEST_F(ImageValues, WallsAndSegmentsAreLabels) {
+  const auto walls = cube_of([](const Vec3& p) {  // Four layers, thin ones, numbered from the outside.
+    return static_cast<std::uint8_t>(std::clamp(depth(p, 5.7) + 1.0F, 0.0F, 4.0F));
+  });
+  EXPECT_EQ(read_cube(walls, "uint8").values(), (std::vector<Label>{0, 1, 2, 3, 4}));
+  const auto segments = cube_of([](const Vec3& p) {  // Of a thin vessel.
+    return static_cast<std::uint8_t>(std::hypot(p.x() - 6, p.y() - 6) < 1.5 ? 1 + static_cast<int>(p.z()) / 2
+                                                                            : 0);
+  });
+  EXPECT_EQ(read_cube(segments, "uint8").values().size(), 8U);
+  const auto layers = cube_of([](const Vec3& p) {  // Two voxels each.
+    return static_cast<std::uint8_t>(std::clamp(0.5F * depth(p, 12) + 1.0F, 0.0F, 6.0F));
+  });
+  EXPECT_EQ(read_cube(layers, "uint8").values().size(), 7U);
+}
+
 TEST_F(ImageValues, OneFrameOfSeveralIsTaken) {
   const auto frame = [](int n) {
     return cube_of([n](const Vec3& p) { return static_cast<std::uint8_t>(depth(p, 2.0 + n) >= 0); });
