@@ -113,14 +113,13 @@ std::string other_shapes(const ImageShape& image, std::span<const LabelShape> sh
 }
 
 std::string other_volumes(const ImageShape& image, const TetMesh& mesh) {
-  constexpr std::uint64_t kMin = 27;  // Voxels.
   const std::map<Label, double> volumes = volumes_of_labels(mesh);
   std::size_t others = 0;
   double worst = 0;
   Label label = 0;
   for (const LabelTopology& one : image.labels) {
     const auto found = volumes.find(one.label);
-    if (one.voxel_count < kMin || found == volumes.end()) continue;
+    if (one.voxel_count == 0 || found == volumes.end()) continue;
     const double change = found->second / one.volume_mm3 - 1;
     if (std::abs(change) <= much_of_volume(static_cast<double>(one.voxel_count))) continue;
     ++others;

@@ -32,8 +32,8 @@ inline constexpr double kSmallPiece = 0.01;
 [[nodiscard]] std::string small_pieces_warning(const LabelImage& image, std::span<const CutPlane> planes);
 
 /// One line for pieces of labels that have no tetrahedron, with their places, and one for labels whose number
-/// of pieces, Euler number or number of cavities differs, and one if labels of 100 voxels or more fill
-/// another volume by more than 5 %; none if all is there. @param mesh  Compact.
+/// of pieces, Euler number or number of cavities differs, and one if labels fill another volume than
+/// much_of_volume() allows; none if all is there. @param mesh  Compact.
 [[nodiscard]] std::vector<std::string> differences(const ImageShape& image, const TetMesh& mesh);
 
 /// The same of a mesh of mesh_lattice(), whose notes tell of labels that are lost and of volumes.
