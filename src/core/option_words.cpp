@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 #include <span>
 #include <sstream>
+#include <type_traits>
+#include <variant>
 
 #include "lumesh/core/error.hpp"
 
@@ -36,6 +39,50 @@ void take_values(std::span<const std::string> values, const OptionRows& rows) {
   rows.set(all);
 }
 
+/// Empties the target of an option, each kind in its own way. False for those that are never empty.
+struct NoneTaker {
+  const Option& option;
+
+  bool operator()(bool*) const { return false; }
+  bool operator()(const OptionWord&) const { return false; }
+  template <class Number>
+  bool operator()(Number* number) const requires std::is_arithmetic_v<Number> {
+    const bool may_be_none = option.zero_text == "none";
+    if (may_be_none) *number = static_cast<Number>(option.zero_value);
+    return may_be_none;
+  }
+  bool operator()(std::optional<double>* number) const {
+    number->reset();
+    return true;
+  }
+  template <class Items>
+  bool operator()(Items* items) const requires requires {
+    items->clear();
+  }
+  {
+    items->clear();
+    return true;
+  }
+  bool operator()(const OptionPath& path) const {
+    if (std::ranges::find(path.words, "none") != path.words.end()) return false;
+    path.path->clear();
+    return true;
+  }
+  bool operator()(const OptionParsed& parsed) const {
+    parsed.set("");
+    return true;
+  }
+  bool operator()(const OptionRows& rows) const {
+    const bool is_always_there = rows.is_single && rows.least == 0;  // As the size of a phantom.
+    if (!is_always_there) rows.set({});
+    return !is_always_there;
+  }
+  bool operator()(const OptionLabelledFiles& labelled) const {
+    labelled.files->clear();
+    return true;
+  }
+};
+
 void take_values(const std::vector<std::string>& values, const Option& option) {
   if (values.empty()) return;
   try {
@@ -65,6 +112,10 @@ std::vector<std::string> option_words(const OptionList& list) {
       if (const std::string text = parsed->get(); !text.empty()) words.push_back(flag + " " + text);
   }
   return words;
+}
+
+bool take_none(const Option& option) {
+  return std::visit(NoneTaker{option}, option.target);
 }
 
 void take_option_words(const std::string& words, const OptionList& list) {

@@ -14,6 +14,7 @@
 #include "case_sections.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/nearest_word.hpp"
+#include "lumesh/core/option_words.hpp"
 #include "lumesh/core/trimmed.hpp"
 #include "lumesh/io/text_file.hpp"
 
@@ -166,7 +167,11 @@ class CaseReader {
     }
   }
 
+  /// "none" is what the tables show for what is empty.
   void take(const Key& key, const toml::node& node) const {
+    bool is_none = node.is_string() && *node.value<std::string>() == "none";
+    if (is_none) set_or_throw(key, node, [&] { is_none = take_none(key.option); });
+    if (is_none) return;
     std::visit([&](const auto& target) { set(key, node, target); }, key.option.target);
   }
   void set(const Key& key, const toml::node& node, bool* target) const {

@@ -90,8 +90,10 @@ void ImageSelection::describe(OptionList& list, bool has_probabilities) {
   list.rows("threshold",
             {2, "150,400", true, [this] { return threshold_rows(threshold, threshold_up_to); },
              [this](const auto& rows) {
-               threshold = rows[0][0];
+               threshold.reset();
                threshold_up_to.reset();
+               if (rows.empty()) return;
+               threshold = rows[0][0];
                if (rows[0].size() > 1) threshold_up_to = rows[0][1];
                if (threshold_up_to && *threshold_up_to < *threshold)
                  throw Error(ErrorKind::kUsage, "must have the lower value first");

@@ -16,6 +16,10 @@ namespace lumesh {
 /// says, which may be damaged.
 void take_option_words(const std::string& words, const OptionList& list);
 
+/// Makes an option what value_text() calls "none". False, and nothing is changed, where it is never so, or
+/// where "none" is one of its words.
+bool take_none(const Option& option);
+
 /// An option's name there: "--split-above" for "split_above".
 [[nodiscard]] std::string flag_of(std::string_view name);
 

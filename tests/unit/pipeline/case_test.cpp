@@ -236,6 +236,35 @@ TEST_F(CaseFile, ASettingThatIsNoneSaysHowToWriteIt) {
             "--set metric.k=many: [metric] k must be a whole number");
 }
 
+/// The tables show it for what is empty.
+TEST_F(CaseFile, NoneMakesAKeyEmpty) {
+  const std::string text = R"([input]
+phantom = "torus"
+extend = "5r"
+drop_below = 3
+cut_at = [[1, 2, 3]]
+labels = [1]
+threshold = 0.5
+label_images = ["a.nrrd=2"]
+[run]
+time_limit = 5
+)";
+  std::vector<std::string> settings = {"output.report=none"};
+  for (const char* key : {"input.extend", "input.drop_below", "input.cut_at", "input.labels",
+                          "input.threshold", "input.label_images", "run.time_limit"})
+    settings.push_back(std::string(key) + "=none");
+  const Case c = read(text, settings), untouched = read("[input]\nphantom = \"torus\"\n");
+  EXPECT_EQ(c.input.cuts.extension.lengths.size(), 0U);
+  EXPECT_EQ(differing_options(c.input, untouched.input), std::vector<std::string>());
+  EXPECT_EQ(differing_options(c.run, untouched.run), std::vector<std::string>());
+  EXPECT_EQ(c.output.report, "");
+  EXPECT_EQ(
+      differing_options(read("[input]\nphantom = \"torus\"\nextend = \"none\"\n").input, untouched.input),
+      std::vector<std::string>());
+  EXPECT_EQ(refusal(text, {"metric.k=none"}), "--set metric.k=none: [metric] k must be a whole number");
+  EXPECT_NE(refusal(text, {"adapt.boundary=none"}).find("must be one of"), std::string::npos);
+}
+
 TEST_F(CaseFile, TheTextOfACaseReadsAsTheSameCase) {
   const Case c = read(R"([input]
 image = 'an image.nrrd'
