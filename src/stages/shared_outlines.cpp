@@ -78,8 +78,8 @@ std::vector<std::string> doubts_about_shared_outlines(std::span<const Opening> o
   for (const auto& [labels, most] : of_labels)
     doubts.push_back(fmt::format(
         "{} at {} shares {:.0f} % of its outline with {}{}: labels {} and {} lie in or beside one another "
-        "there, and have openings both; where one of them is a wall or a thrombus, say so with {} "
-        "PATCH=NAME:wall, or leave it out with {}",
+        "there, and have openings both; where one of them is a wall or a thrombus, call its openings so with "
+        "{} PATCH=wall_rim_1, or leave it out with {}",
         most.own->name, place_text(most.own->centre_mm), 100 * most.share, most.other->name,
         most.others > 0 ? fmt::format(" (1 of {} such openings)", most.others + 1) : "", labels.first,
         labels.second, option_name("name"), option_name("labels")));

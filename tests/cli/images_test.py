@@ -155,6 +155,26 @@ class ImagesTest(ProgramTest):
         for told in (self.run_well("info", image, "--json", numbers).stdout, numbers.read_text()):
             self.assertIn("or give a plane with --cut-plane", told)
 
+    def test_a_thrombus_around_a_lumen_is_told_and_gets_another_name(self):
+        """Its ring is six times as large as the lumen: too large for a wall that is known as such."""
+        def label_at(p):
+            off = math.dist(p[:2], MIDDLE[:2])
+            return 1 if off < 3.6 else 2 if off < 9.6 else 0
+        image = self.write("thrombus.nrrd", cube(label_at))
+        told = self.run_well("info", image).stderr
+        self.assertRegex(told, r"let_\d_label_1 at .* shares \d+ % of its outline with \w+_label_2 \(1 of 2 such openings\)")
+        mesh = self.folder / "out.vtu"
+        result = self.run_well("delaunay", image, "-o", mesh, "--strict", "--name", "inlet_1_label_2=wall_rim_1",
+                               "--name", "outlet_1_label_2=wall_rim_2", "--json", self.folder / "numbers.json")
+        self.assertIn("of its outline", result.stderr)
+        self.assertNotIn("missing", result.stderr)
+        numbers = json.loads((self.folder / "numbers.json").read_text())
+        patches = json.loads(self.run_well("info", mesh, "--json").stdout)["patches"]
+        self.assertEqual({patch["name"]: patch["kind"] for patch in patches if "rim" in patch["name"]},
+                         {"wall_rim_1": "opening", "wall_rim_2": "opening"})
+        self.assertTrue(any("of its outline" in line for line in numbers["warnings"]))
+        self.assertNotIn("outline", self.run_well("info", image, "--labels", 1).stderr)
+
     def test_numbers_of_pieces_are_said(self):
         def pair(place):
             i, j, k = place
