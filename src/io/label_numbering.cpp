@@ -267,8 +267,8 @@ std::string looks_grey(const LabelImage& image) {
   if (neighbours_mostly_differ(image))
     return fmt::format("has {} different values, and neighbours mostly differ", labels);
   if (are_mostly_steps(image))
-    return fmt::format("has {} different values, most of them thin steps between smaller and greater ones",
-                       labels);
+    return fmt::format(
+        "has {} different values, and voxels of most of them lie between smaller and greater ones", labels);
   return "";
 }
 

@@ -78,7 +78,10 @@ class BadInputTest(ProgramTest):
         draw = random.Random(3)
         noise = nrrd.write(self.folder / "noise.nrrd", [SIZE] * 3, [draw.randrange(1, 21) for _ in range(SIZE ** 3)])
         for command in ("lattice", "delaunay"):
-            result = self.run_lumesh(command, noise, "-o", self.mesh, *(("--delta", "2") if command == "delaunay" else ()))
+            options = ("--delta", "2") if command == "delaunay" else ()
+            result = self.run_lumesh(command, noise, "-o", self.mesh, *options)
+            self.assert_refused(result, BAD_INPUT, "noise.nrrd", "look like grey values", "threshold")
+            result = self.run_lumesh(command, noise, "-o", self.mesh, "--labels", ",".join(map(str, range(1, 21))), *options)
             self.assert_refused(result, BAD_INPUT, "noise.nrrd", "no segmentation", "threshold")
             self.assertFalse(self.mesh.exists())
 
