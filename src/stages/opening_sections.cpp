@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -52,7 +51,6 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
            static_cast<std::size_t>(face + columns < count && part[face + columns] != part[face]);
   };
   std::map<std::uint32_t, BorderSection> by_part;
-  std::set<std::array<std::uint32_t, 2>> behind;  // Parts, and those of the next layer.
   for (std::size_t face = 0; face < count; ++face) {
     if (part[face] == 0) continue;
     const Index3 at = grid.voxel(face, 0);
@@ -66,8 +64,8 @@ void add_sections(const LabelImage& image, std::span<const CutPlane> cuts, int a
     BorderSection& section = by_part[part[face]];
     section.label = image.label_at(at);
     section.edge_count += edges_of(face);
-    if (image.at(at) == image.at(grid.voxel(face, second)) && behind.insert({part[face], next[face]}).second)
-      section.next_count += next_sizes[next[face]];
+    if (image.at(at) == image.at(grid.voxel(face, second)))
+      section.next_parts.emplace(next[face], next_sizes[next[face]]);
     section.centres_mm.push_back(centre_mm);
     section.face_mm2 = frame.spacing_mm[grid.u] * frame.spacing_mm[grid.v];
     section.axis = axis, section.is_last = is_last;
@@ -95,23 +93,29 @@ std::optional<std::size_t> opening_of(const BorderSection& section, std::span<co
 /// Figures of one opening by its voxels.
 struct Voxels {
   double area_mm2 = 0, face_mm2 = 0;
-  double next_area_mm2 = 0;    ///< In the next layer.
-  std::size_t edge_count = 0;  ///< Edges around the faces.
-  std::size_t sections = 0;    ///< Of some faces.
+  std::map<std::uint32_t, std::size_t> next_parts;  ///< As BorderSection's; several sections may have one.
+  std::size_t edge_count = 0;                       ///< Edges around the faces.
+  std::size_t sections = 0;                         ///< Of some faces.
 
   void add(const BorderSection& section) {
     area_mm2 += section.area_mm2();
     face_mm2 = section.face_mm2;
-    next_area_mm2 += section.face_mm2 * static_cast<double>(section.next_count);
+    next_parts.insert(section.next_parts.begin(), section.next_parts.end());
     edge_count += section.edge_count;
     if (section.is_wide()) ++sections;
+  }
+  /// Area in the next layer.
+  [[nodiscard]] double next_area_mm2() const {
+    double faces = 0;
+    for (const auto& [part, count] : next_parts) faces += static_cast<double>(count);
+    return face_mm2 * faces;
   }
   /// Whether voxels of a vessel with a section of this area can hardly be these ones.
   [[nodiscard]] bool contradict(double section_mm2) const {
     constexpr double kShare = 0.1, kVoxels = 0.7;
     // The other bound is the nearer one where the outline is short and the section changes little.
     constexpr double kLeastShare = 0.05, kChange = 0.1;
-    const double change = std::abs(next_area_mm2 - area_mm2);
+    const double change = std::abs(next_area_mm2() - area_mm2);
     return std::abs(section_mm2 - area_mm2) >
            std::min(kShare * area_mm2 + kVoxels * std::sqrt(area_mm2 * face_mm2),
                     kLeastShare * area_mm2 + chance_mm2(1) + kChange * change);
@@ -120,7 +124,7 @@ struct Voxels {
   /// Whether the section grows by more than a quarter within a voxel: it is that of a wall along the border.
   [[nodiscard]] bool is_along_wall() const {
     constexpr double kGrowth = 0.25;
-    return next_area_mm2 - area_mm2 > kGrowth * area_mm2 + chance_mm2(2);
+    return next_area_mm2() - area_mm2 > kGrowth * area_mm2 + chance_mm2(2);
   }
   /// By how much areas of sections, or their difference, are off by chance at most.
   [[nodiscard]] double chance_mm2(int sections_of_voxels) const {
@@ -192,7 +196,7 @@ std::string doubt_of(const Opening& opening, const Voxels& voxels, std::span<con
                      "{} at {} lies along the wall of a vessel, {:.0f} % larger one voxel further in: its "
                      "{:.4g} mm² are no section of the vessel; cut that with {} or {}",
                      opening.name, place_text(opening.centre_mm),
-                     100 * (voxels.next_area_mm2 / voxels.area_mm2 - 1), opening.area_mm2,
+                     100 * (voxels.next_area_mm2() / voxels.area_mm2 - 1), opening.area_mm2,
                      option_name("cut_at"), option_name("clip_ends"))
                : "";
   const double off = opening.area_mm2 - voxels.area_mm2;

@@ -2,6 +2,9 @@
 /// @file Openings at the image's border against the voxels there.
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,7 +24,9 @@ struct BorderSection {
   int axis = 0;                 ///< Axis of the image across it.
   bool is_last = false;         ///< Whether it is in the last layer along the axis.
   std::size_t edge_count = 0;   ///< Edges between its faces and others.
-  std::size_t next_count = 0;   ///< Faces of the sections of its label in the next layer that lie behind it.
+  /// Sections of its label in the next layer that lie behind it, by numbers of their own: how many faces each
+  /// has.
+  std::map<std::uint32_t, std::size_t> next_parts;
 
   [[nodiscard]] double area_mm2() const { return face_mm2 * static_cast<double>(centres_mm.size()); }
   [[nodiscard]] Vec3 centre_mm() const;

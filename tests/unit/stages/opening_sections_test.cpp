@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -55,6 +56,30 @@ bool is_told(const LabelImage& image, const std::string& words) {
   return std::ranges::any_of(doubts_about_sections(image, {}, openings), [&](const std::string& doubt) {
     return doubt.find(words) != std::string::npos;
   });
+}
+
+/// A tube with a voxel beside it that hangs on it from the second layer on: both of its sections in the
+/// border have the same section behind them.
+TEST(OpeningSections, ALooseVoxelDoesNotMakeASectionGrow) {
+  const auto is_in = [](int x, int y) { return std::hypot(x - 19.3, y - 18.8) < 8; };
+  int y = 18;
+  while (is_in(27, y)) ++y;  // (27, y - 1) is the last one of its column.
+  LabelImage image = fixtures::voxels_of(fixtures::frame_of({40, 40, 24}), {0, 1}, [&](const Vec3& p) {
+    return is_in(static_cast<int>(p.x()), static_cast<int>(p.y())) ? 1 : 0;
+  });
+  for (int z = 0; z < 24; ++z) image.at(Index3(28, y, z)) = image.at(Index3(27, y, z)) = 1;
+  image.at(Index3(27, y, 0)) = 0;
+  std::vector<Opening> openings = find_openings(ImageDomain(image, {}));
+  for (Opening& opening : openings) {
+    if (opening.normal.z() > 0) continue;
+    auto squares = std::make_shared<OpeningSquares>(*opening.squares);
+    const auto loose = squares->square_at(Vec3(28, y, -0.5));
+    ASSERT_TRUE(loose.has_value());
+    squares->is_inside[*loose] = 1;  // As where the smooth section goes on to it.
+    opening.squares = squares;
+  }
+  for (const std::string& doubt : doubts_about_sections(image, {}, openings))
+    EXPECT_EQ(doubt.find("lies along the wall"), std::string::npos) << doubt;
 }
 
 TEST(OpeningSections, VesselsThatTheBorderCutsAlongTheirLengthAreTold) {
