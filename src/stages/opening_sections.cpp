@@ -93,7 +93,7 @@ std::optional<std::size_t> opening_of(const BorderSection& section, std::span<co
 /// Figures of one opening by its voxels.
 struct Voxels {
   double area_mm2 = 0, face_mm2 = 0;
-  std::map<std::uint32_t, std::size_t> next_parts;  ///< As BorderSection's; several sections may have one.
+  std::map<std::uint32_t, std::size_t> next_parts;  ///< Sections behind, one of which may be that of several.
   std::size_t edge_count = 0;                       ///< Edges around the faces.
   std::size_t sections = 0;                         ///< Of some faces.
 
@@ -161,6 +161,13 @@ bool is_hollow_of_background(const Opening& opening, std::span<const Opening> op
   Opening all = opening;
   all.squares = filled;
   return all.is_hollow();
+}
+
+/// A side cut as find_side_cut() tells it; none for rims of walls, and for sections of a few voxels.
+std::optional<SideCut> side_cut_of(const LabelImage& image, std::span<const CutPlane> cuts,
+                                   const BorderSection& section, const Opening& opening) {
+  if (!section.is_wide() || opening.is_rim) return std::nullopt;
+  return find_side_cut(image, cuts, section);
 }
 
 /// A line on an opening that is no end of a vessel.
@@ -343,7 +350,7 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
       doubts.push_back(fmt::format("the section of {} voxel faces of label {} at {} is in no opening",
                                    section.centres_mm.size(), section.label,
                                    place_text(section.centre_mm())));
-    else if (const auto cut = openings[*opening].is_rim ? std::nullopt : find_side_cut(image, cuts, section))
+    else if (const auto cut = side_cut_of(image, cuts, section, openings[*opening]))
       sides[*opening] = doubt_of_side(openings[*opening], *cut);
   };
   const std::vector<Voxels> of_openings = voxels_of(image, cuts, openings, look_at);
@@ -371,8 +378,12 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
 std::vector<std::string> doubts_about_shapes(const LabelImage& image, const Domain& domain,
                                              std::span<const Opening> openings) {
   std::vector<std::string> doubts;
-  const std::vector<Voxels> of_openings = voxels_of(image, domain.cut_planes(), openings,
-                                                    [](const BorderSection&, std::optional<std::size_t>) {});
+  std::vector<bool> is_side(openings.size(), false);
+  const auto look_at = [&](const BorderSection& section, std::optional<std::size_t> opening) {
+    if (opening && side_cut_of(image, domain.cut_planes(), section, openings[*opening]))
+      is_side[*opening] = true;
+  };
+  const std::vector<Voxels> of_openings = voxels_of(image, domain.cut_planes(), openings, look_at);
   for (std::size_t i = 0; i < openings.size(); ++i) {
     const Opening& opening = openings[i];
     if (const std::optional<SectionWaist> waist = find_waist(domain, opening))
@@ -382,6 +393,8 @@ std::vector<std::string> doubts_about_shapes(const LabelImage& image, const Doma
           "separate",
           opening.name, place_text(opening.centre_mm), waist->width_mm, waist->diameters_mm[0],
           waist->diameters_mm[1], option_name("cut_at"), option_name("touching")));
+    else if (is_side[i])
+      continue;  // Its area is that of no vessel.
     else if (std::string doubt = doubt_of_change(image, domain, opening, of_openings[i]); !doubt.empty())
       doubts.push_back(std::move(doubt));
   }

@@ -65,8 +65,9 @@ struct BorderSection {
 
 /// A line for each opening whose section narrows between two parts, here and further in, as where two vessels
 /// touch, and for each at the image's border whose area is likely to be 8.5 % off or more, as its section
-/// changes there and its voxels are few; none of these where values place the boundary. Told before openings
-/// are extended. Cost: linear in the faces of the border, and about 1 ms per opening.
+/// changes there and its voxels are few, but for those that are no ends of vessels; none of these where
+/// values place the boundary. Told before openings are extended. Cost: linear in the faces of the border, and
+/// about 1 ms per opening.
 [[nodiscard]] std::vector<std::string> doubts_about_shapes(const LabelImage& image, const Domain& domain,
                                                            std::span<const Opening> openings);
 

@@ -106,6 +106,21 @@ TEST(OpeningSections, SidesOfBendsAndSacsInTheBorderAreTold) {
   EXPECT_TRUE(is_told(sac, "the side of a bend or a sac"));
 }
 
+/// A half ring that grazes the border: how its section changes there is nothing that clipping ends would
+/// mend.
+TEST(OpeningSections, AreasOfSidesAreNotDoubtedBesides) {
+  for (const double below : {6.0, 6.4}) {
+    const LabelImage bend = fixtures::voxels_of(fixtures::frame_of({70, 40, 45}), {0, 1}, [=](const Vec3& p) {
+      const Vec3 off = p - Vec3(34, 20, 44) - Vec3(0.2, -0.3, 0);
+      return std::hypot(std::hypot(off.x(), off.z()) - 45 + below, off.y()) < 6 ? 1 : 0;
+    });
+    const ImageDomain domain(bend, {});
+    EXPECT_TRUE(is_told(bend, "the side of a bend or a sac"));
+    for (const std::string& doubt : doubts_about_shapes(bend, domain, find_openings(domain)))
+      EXPECT_EQ(doubt.find(", -0.5) mm: its section"), std::string::npos) << doubt;
+  }
+}
+
 TEST(OpeningSections, ForksTapersAndObliqueEndsAtTheBorderAreNoSides) {
   const LabelImage taper = fixtures::voxels_of(fixtures::frame_of({60, 40, 40}), {0, 1}, [](const Vec3& p) {
     return std::hypot(p.y() - 19.7, p.z() - 18.2) < 4 + 0.1 * p.x() ? 1 : 0;
