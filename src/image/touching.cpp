@@ -224,7 +224,7 @@ std::vector<ThinPlace> bridges_of(const VesselChunks& chunks, const std::set<Pai
 }
 
 /// Removes what the vessels still have in common around the faces, edges and corners: the boundary between
-/// them would be joined there again.
+/// them would be joined there again. The thicker one gives way.
 void separate_at_edges(const VesselChunks& chunks, const std::vector<ContactElement>& elements,
                        std::set<std::size_t>& gone) {
   const auto is_of = [&](const Index3& place, std::uint32_t chunk) {
@@ -233,10 +233,12 @@ void separate_at_edges(const VesselChunks& chunks, const std::vector<ContactElem
   };
   for (const ContactElement& e : elements) {
     if (!e.is_face()) continue;
+    const bool is_first = chunks.chunks()[e.first].half_width >= chunks.chunks()[e.second].half_width;
+    const std::uint32_t thicker = is_first ? e.first : e.second, thinner = is_first ? e.second : e.first;
     for_each_around(chunks.place_of(e.voxel), 1, [&](const Index3& place) {
-      if (!is_of(place, e.first)) return;
+      if (!is_of(place, thicker)) return;
       bool touches = false;
-      for_each_around(place, 1, [&](const Index3& near) { touches |= is_of(near, e.second); });
+      for_each_around(place, 1, [&](const Index3& near) { touches |= is_of(near, thinner); });
       if (touches) gone.insert(chunks.offset(place));
     });
   }
@@ -244,13 +246,17 @@ void separate_at_edges(const VesselChunks& chunks, const std::vector<ContactElem
 
 /// Removes one voxel at each face, the one nearer to the background, unless the other is gone already. Where
 /// vessels share a broad area their smooth walls would meet again between layers one voxel apart: there both
-/// voxels go.
+/// voxels go; in vessels that are too thin for it, that of the thicker one.
 void separate(const VesselChunks& chunks, const std::vector<ContactElement>& elements,
               std::set<std::size_t>& gone) {
   constexpr int kBroad = 7, kAround = 27;  // Faces within a voxel; a strip two faces broad has six.
+  constexpr float kTooThin = 2.6F;         // Half widths of vessels that would be cut through.
   std::unordered_map<std::uint32_t, int> faces_of;
   for (const ContactElement& e : elements)
     if (e.is_face()) ++faces_of[e.voxel], ++faces_of[e.other];
+  const auto half_width = [&](std::size_t voxel) {
+    return chunks.chunks()[chunks.chunk_of(voxel)].half_width;
+  };
   const auto is_broad = [&](const ContactElement& e) {
     int count = 0, places = 0;
     for_each_around(chunks.place_of(e.voxel), 1, [&](const Index3& near) {
@@ -263,13 +269,15 @@ void separate(const VesselChunks& chunks, const std::vector<ContactElement>& ele
   };
   for (const ContactElement& e : elements) {
     if (chunks.is_filled(e.voxel) || chunks.is_filled(e.other) || !e.is_face()) continue;
-    if (is_broad(e)) {
+    const bool is_apart = gone.contains(e.voxel) || gone.contains(e.other);
+    if (!is_broad(e)) {
+      if (!is_apart) gone.insert(faces_of[e.other] > faces_of[e.voxel] ? e.other : e.voxel);
+    } else if (std::min(half_width(e.voxel), half_width(e.other)) > kTooThin) {
       gone.insert({e.voxel, e.other});
-    } else if (!gone.contains(e.voxel) && !gone.contains(e.other)) {
-      gone.insert(faces_of[e.other] > faces_of[e.voxel] ? e.other : e.voxel);
+    } else if (!is_apart) {
+      gone.insert(half_width(e.voxel) > half_width(e.other) ? e.voxel : e.other);
     }
   }
-  separate_at_edges(chunks, elements, gone);
 }
 
 /// Background around contacts that has both vessels within two voxels.
@@ -310,10 +318,12 @@ VoxelsChanged change_contacts(bool separates, LabelImage& image) {
     const VesselChunks chunks(image);
     const std::vector<ContactElement> elements = contacts_of(chunks, touching_pairs(chunks));
     std::set<std::size_t> found;
-    if (separates)
+    if (separates) {
       separate(chunks, elements, found);
-    else
+      if (round == 0) separate_at_edges(chunks, elements, found);
+    } else {
       join(chunks, elements, found);
+    }
     if (found.empty()) break;
     if (round == 0) changed.places = grouped(chunks, elements).size();
     const std::vector<LabelImage::Index> before = image.voxels();
