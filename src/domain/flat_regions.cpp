@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "lumesh/core/disjoint_sets.hpp"
@@ -165,6 +166,28 @@ double cosine_of_wall(const ClosedSurface& surface, const FeatureRegions& region
   return area > 0 ? sum / area : 0;
 }
 
+namespace {
+
+/// @param triangles  By region, of those that are like ends.
+void measure_rims(const ClosedSurface& surface, const FeatureRegions& regions,
+                  std::span<const std::vector<std::uint32_t>> triangles, std::vector<RegionShape>& shapes) {
+  for (std::uint32_t r = 0; r < shapes.size(); ++r) {
+    double length_mm = 0, sum = 0;
+    for (const std::uint32_t t : triangles[r])
+      for (std::size_t s = 0; s < 3; ++s) {
+        const std::uint32_t other = surface.neighbours[t][s];
+        if (regions.of_triangle[other] == r) continue;
+        const double edge_mm = (surface.corner(t, (s + 1) % 3) - surface.corner(t, s)).norm();
+        length_mm += edge_mm;
+        sum += edge_mm * shapes[r].normal.dot(surface.normals[other]);
+        ++shapes[r].rim_edges;
+      }
+    if (length_mm > 0) shapes[r].rim_cosine = sum / length_mm;
+  }
+}
+
+}  // namespace
+
 std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const FeatureRegions& regions) {
   std::vector<RegionShape> shapes(regions.count());
   add_triangles(surface, regions, shapes);
@@ -179,6 +202,7 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
   std::vector<std::vector<std::uint32_t>> ends(shapes.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     if (const std::uint32_t r = regions.of_triangle[t]; shapes[r].is_like_end) ends[r].push_back(t);
+  measure_rims(surface, regions, ends, shapes);
   parallel::for_each_index(shapes.size(), 1, [&](std::size_t i) {
     const auto r = static_cast<std::uint32_t>(i);
     if (shapes[r].is_like_end)

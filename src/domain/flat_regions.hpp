@@ -27,6 +27,8 @@ struct RegionShape {
   bool is_like_end = false;  // One, or it would be but for facets of the wall, a tenth of its rim at most.
   double wall_cosine = 0;    // Of these: mean cosine between the normal and those of the wall around. 0 where
                              // the wall leaves them square, 0.5 and more on the flat steps that voxels leave.
+  double rim_cosine = 0;     // Mean cosine between the normal and those of the triangles beyond its edges.
+  std::size_t rim_edges = 0;
 };
 
 /// Whether edges, each with the vertex from which it goes to the next one, are one closed curve.

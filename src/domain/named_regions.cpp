@@ -163,26 +163,56 @@ void NamedRegions::leave_out_steps(std::vector<RegionShape>& shapes) {
       steps.size(), place_text(shapes[steps.front()].centre_mm)));
 }
 
-/// Behind a flat side of a sac the object ends soon.
+/// Behind a flat side of a sac the object ends soon; a facet of the wall lies beside the vessel.
 void NamedRegions::leave_out_sides(std::vector<RegionShape>& shapes) {
   std::optional<RoomBehind> room;
   std::vector<std::vector<std::uint32_t>> triangles(shapes.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     if (const std::uint32_t r = regions.of_triangle[t]; shapes[r].is_flat_end) triangles[r].push_back(t);
-  std::vector<std::uint32_t> sides;
+  std::vector<std::uint32_t> sides, facets;
+  double largest_mm2 = 0;
   for (std::uint32_t r = 0; r < shapes.size(); ++r) {  // By falling area.
-    if (triangles[r].empty() || is_cap_of_file(regions.patches[r])) continue;
+    if (triangles[r].empty()) continue;
     if (!room) room.emplace(surface);
-    if (!room->has_room(triangles[r], kMaxBent)) sides.push_back(r);
+    if (is_cap_of_file(regions.patches[r]) || room->has_room(triangles[r], kMaxBent)) {
+      largest_mm2 = std::max(largest_mm2, shapes[r].area_mm2);
+      if (!is_cap_of_file(regions.patches[r]) && is_facet(shapes[r], largest_mm2, *room, triangles[r]))
+        facets.push_back(r);
+    } else {
+      sides.push_back(r);
+    }
   }
-  if (sides.empty()) return;
-  for (const std::uint32_t r : sides) shapes[r].is_flat_end = false;
-  const RegionShape& largest = shapes[sides.front()];
-  notes.push_back(fmt::format(
-      "{}, such as at {} with {:.3g} mm2, {} taken as wall: as at the side of a sac, the object ends behind "
-      "within 0.6 of the radius; where a vessel ends there, a cut further inside makes an opening ({})",
-      counted(sides.size(), "flat piece", "flat pieces"), place_text(largest.centre_mm), largest.area_mm2,
-      sides.size() == 1 ? "is" : "are", option_name("cut_at")));
+  note_left_out(
+      shapes, sides,
+      "as at the side of a sac, the object ends behind within 0.6 of the radius; where a vessel ends "
+      "there, a cut further inside makes an opening");
+  note_left_out(
+      shapes, facets,
+      "as on a facet of the wall, the vessel goes past behind; where one ends there, a cut before it "
+      "makes an opening");
+}
+
+/// Whether a flat piece lies on the wall of a vessel, not where one ends.
+/// @param largest_mm2  Of what may be ends.
+bool NamedRegions::is_facet(const RegionShape& shape, double largest_mm2, const RoomBehind& room,
+                            std::span<const std::uint32_t> triangles) {
+  constexpr std::size_t kMinAround = 8;  // Edges, as coarse ends of vessels have.
+  constexpr double kMinCosine = 0.45, kMinWidening = 4, kSpeck = 1e-3;
+  const bool turns_little = shape.rim_cosine >= kMinCosine;
+  const bool is_speck = shape.area_mm2 < kSpeck * largest_mm2;
+  if (turns_little && shape.rim_edges < kMinAround) return true;
+  return (turns_little || is_speck) && room.widening_behind(triangles) >= kMinWidening;
+}
+
+void NamedRegions::note_left_out(std::vector<RegionShape>& shapes, std::span<const std::uint32_t> pieces,
+                                 const char* why) {
+  if (pieces.empty()) return;
+  for (const std::uint32_t r : pieces) shapes[r].is_flat_end = false;
+  const RegionShape& largest = shapes[pieces.front()];
+  notes.push_back(fmt::format("{}, such as at {} with {:.3g} mm2, {} taken as wall: {} ({})",
+                              counted(pieces.size(), "flat piece", "flat pieces"),
+                              place_text(largest.centre_mm), largest.area_mm2,
+                              pieces.size() == 1 ? "is" : "are", why, option_name("cut_at")));
 }
 
 /// Ends that are taken for wall because a few bent triangles belong to their patch, walls that are taken for

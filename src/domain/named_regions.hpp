@@ -9,6 +9,7 @@
 #include "feature_regions.hpp"
 #include "flat_regions.hpp"
 #include "lumesh/domain/surface_domain.hpp"
+#include "room_behind.hpp"
 
 namespace lumesh::surfaces {
 
@@ -31,6 +32,10 @@ struct NamedRegions {
   void name_regions();
   void leave_out_steps(std::vector<RegionShape>& shapes);
   void leave_out_sides(std::vector<RegionShape>& shapes);
+  [[nodiscard]] static bool is_facet(const RegionShape& shape, double largest_mm2, const RoomBehind& room,
+                                     std::span<const std::uint32_t> triangles);
+  void note_left_out(std::vector<RegionShape>& shapes, std::span<const std::uint32_t> pieces,
+                     const char* why);
   void note_pieces(std::span<const RegionShape> shapes);
   void note_missed_ends();
   void note_bent_ends();

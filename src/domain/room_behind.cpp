@@ -26,6 +26,29 @@ bool RoomBehind::has_room(std::span<const std::uint32_t> end, double bent, doubl
   return free >= kMinFree;
 }
 
+double RoomBehind::widening_behind(std::span<const std::uint32_t> end) const {
+  constexpr int kDirections = 16, kHalvings = 7;
+  constexpr double kDepth = 0.5, kFarthest = 4;  // In radii.
+  AreaSum all;
+  for (const std::uint32_t t : end)
+    all.add(surface_.corner(t, 0), surface_.corner(t, 1), surface_.corner(t, 2));
+  const Vec3 normal = all.normal.stableNormalized(), u = normal.unitOrthogonal(), v = normal.cross(u);
+  const double radius_mm = circle_radius(all.normal.norm());
+  const Vec3 middle = all.centre() - kDepth * radius_mm * normal;
+  double sum = 0;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kDirections;
+    const Vec3 direction = radius_mm * (std::cos(angle) * u + std::sin(angle) * v);
+    double free = 0, beyond = 2 * kFarthest;  // The first one tried is the farthest.
+    for (int halving = 0; halving < kHalvings && free < kFarthest; ++halving) {
+      const double tried = (free + beyond) / 2;
+      (is_free(middle, middle + tried * direction) ? free : beyond) = tried;
+    }
+    sum += free * free;
+  }
+  return sum / kDirections;
+}
+
 bool RoomBehind::is_free(const Vec3& from, const Vec3& to) const {
   return std::ranges::none_of(tree_.overlapping(from.cwiseMin(to), from.cwiseMax(to)), [&](std::uint32_t t) {
     return segment_meets_triangle(from, to, surface_.corner(t, 0), surface_.corner(t, 1),

@@ -218,7 +218,7 @@ class Closer {
   void fill(const Rim& rim, std::int32_t patch, bool ends_wall) {
     const std::size_t first = surface_.triangles.size();
     ClosedRim closed{false, {}, rim, rim.centre_mm, rim.normal};
-    constexpr double kMinEdges = 0.7;  // In radius: five around.
+    constexpr double kMinEdges = 0.5;  // In radius: four around.
     closed.ends_wall = ends_wall && rim.radius_mm >= kMinEdges * rim.mean_edge_mm;
     closed.patch = patch;
     fill_hole(surface_, rim, closed.patch);

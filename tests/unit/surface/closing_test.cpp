@@ -305,8 +305,8 @@ TEST(FillHole, FollowsTheWallAround) {
 }
 
 /// Too coarse to be openings; but a wall runs up to each, which is told.
-TEST(CloseSurface, SeesWallsThatRunUpToFiveToSevenEdges) {
-  for (const std::uint32_t around : {5U, 7U}) {
+TEST(CloseSurface, SeesWallsThatRunUpToFourToSevenEdges) {
+  for (const std::uint32_t around : {4U, 5U, 7U}) {
     const ClosedSurfaceMade made = closed(open_tube({.radius_mm = 2, .length_mm = 12, .around = around}));
     ASSERT_EQ(made.rims.size(), 2u) << around;
     for (const ClosedRim& rim : made.rims) EXPECT_TRUE(!rim.is_opening && rim.ends_wall) << around;
