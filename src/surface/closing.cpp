@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "flat_rims.hpp"
@@ -49,9 +51,9 @@ class Closer {
     flatten(rims);
     cap();
     const std::vector<std::vector<std::uint32_t>> walls = rim_triangles(surface_, holes_);
-    for (std::size_t h = 0; h < holes_.size(); ++h)
-      fill(holes_[h], commonest_patch(surface_, walls[h]),
-           cosine_to_wall(surface_, holes_[h], walls[h]) < kAcrossWall);
+    for (std::size_t h = 0; h < holes_.size(); ++h) filled_.push_back(fill(holes_[h], walls[h]));
+    closed_.insert(closed_.end(), std::make_move_iterator(filled_.begin()),
+                   std::make_move_iterator(filled_.end()));
     surface_ = weld(surface_.points, surface_.triangles, surface_.patches);  // Without what was cut off.
     return {std::move(surface_), std::move(closed_), loose};
   }
@@ -152,15 +154,47 @@ class Closer {
     if (rim.is_almost_planar() && rim.may_be_end() && move(kGoodAngleDeg)) return true;
     if (!rim.is_wide()) return false;
     if (std::optional<CutBack> cut = cut_back(surface_, rims, which)) {
-      for (const std::size_t r : cut->cut_away) is_cut_away[r] = 1;
-      for (FlatRim& flat : cut->rims)
-        if (flat.rim.may_be_end())
-          openings_.push_back({cut->rims.size() == 1 ? rim : flat.rim, flat});
-        else
-          holes_.push_back(std::move(flat.rim));
+      take(std::move(*cut), rim, is_cut_away);
       return true;
     }
-    return rim.is_flat() && move(kMinAngleDeg);
+    return (rim.is_flat() && move(kMinAngleDeg)) || fill_and_cut_back(rims, which, is_cut_away);
+  }
+  void take(CutBack cut, const Rim& rim, std::vector<std::uint8_t>& is_cut_away) {
+    for (const std::size_t r : cut.cut_away) is_cut_away[r] = 1;
+    const bool is_one = cut.rims.size() == 1;
+    for (FlatRim& flat : cut.rims)
+      if (flat.rim.may_be_end())
+        openings_.push_back({is_one ? rim : flat.rim, flat});
+      else
+        holes_.push_back(std::move(flat.rim));
+  }
+  /// Fills small holes near by before: a plane that passes through one makes no closed curve.
+  bool fill_and_cut_back(const std::vector<Rim>& rims, std::size_t which,
+                         std::vector<std::uint8_t>& is_cut_away) {
+    constexpr double kSmall = 0.3, kNear = 3;  // Of the rim's radius.
+    const Rim& rim = rims[which];
+    std::vector<std::size_t> near;
+    for (std::size_t r = which + 1; r < rims.size(); ++r)
+      if (is_cut_away[r] == 0 && around_[r] == kNone && rims[r].radius_mm <= kSmall * rim.radius_mm &&
+          (rims[r].centre_mm - rim.centre_mm).norm() < kNear * rim.radius_mm &&
+          (is_within_wall_[r] != 0 || !rims[r].may_be_end()))
+        near.push_back(r);
+    if (near.empty()) return false;
+    TriangleMesh before = surface_;
+    std::vector<ClosedRim> filled;
+    for (const std::size_t r : near) filled.push_back(fill(rims[r]));
+    std::optional<CutBack> cut = cut_back(surface_, rims, which);
+    if (!cut) {
+      surface_ = std::move(before);
+      return false;
+    }
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      if (std::ranges::find(cut->cut_away, near[i]) == cut->cut_away.end())
+        filled_.push_back(std::move(filled[i]));
+      is_cut_away[near[i]] = 1;
+    }
+    take(std::move(*cut), rim, is_cut_away);
+    return true;
   }
   /// Where rims within one do not end in its plane, as the skins of a wall that was cut off raggedly, one
   /// plane cuts all. False if they do, or there is no such plane.
@@ -215,15 +249,21 @@ class Closer {
       closed_.push_back(std::move(closed));
     }
   }
-  void fill(const Rim& rim, std::int32_t patch, bool ends_wall) {
+  ClosedRim fill(const Rim& rim) {
+    const std::vector<std::uint32_t> wall = rim_triangles(surface_, {&rim, 1}).front();
+    return fill(rim, wall);
+  }
+  /// @param wall  Triangles at its edges.
+  ClosedRim fill(const Rim& rim, std::span<const std::uint32_t> wall) {
     const std::size_t first = surface_.triangles.size();
     ClosedRim closed{false, {}, rim, rim.centre_mm, rim.normal};
     constexpr double kMinEdges = 0.5;  // In radius: four around.
-    closed.ends_wall = ends_wall && rim.radius_mm >= kMinEdges * rim.mean_edge_mm;
-    closed.patch = patch;
+    closed.ends_wall =
+        cosine_to_wall(surface_, rim, wall) < kAcrossWall && rim.radius_mm >= kMinEdges * rim.mean_edge_mm;
+    closed.patch = commonest_patch(surface_, wall);
     fill_hole(surface_, rim, closed.patch);
     measure_new(surface_, first, closed);
-    closed_.push_back(std::move(closed));
+    return closed;
   }
 
   TriangleMesh surface_;
@@ -232,7 +272,7 @@ class Closer {
   std::vector<std::uint8_t> is_within_wall_;  // Of each rim: it is a hole of the wall.
   std::vector<Opening> openings_;
   std::vector<Rim> holes_;
-  std::vector<ClosedRim> closed_;
+  std::vector<ClosedRim> closed_, filled_;
 };
 
 }  // namespace

@@ -223,6 +223,26 @@ TEST(Closing, APinholeBesideABentEndLeavesTheOpening) {
   EXPECT_GT(count, 10);
 }
 
+/// Planes that cut the notches of a rim off pass through holes below, and no closed curve was left: wall.
+TEST(Closing, ARimWithTrianglesMissingAboveHolesIsAnOpening) {
+  TriangleMesh tube = open_tube({});
+  const double circle = 0.5 * 48 * 9 * std::sin(2 * kPi / 48);
+  double top = 0;
+  for (const Vec3& p : tube.points) top = std::max(top, p.z());
+  std::size_t at_rim = 0, below = 0;
+  const auto is_missing = [&](const Cell<3>& c) {
+    const double highest = std::max({tube.points[c[0]].z(), tube.points[c[1]].z(), tube.points[c[2]].z()});
+    const auto on_rim = std::count_if(c.begin(), c.end(), [&](auto v) { return tube.points[v].z() == top; });
+    if (on_rim == 2) return ++at_rim % 16 == 0;
+    return on_rim == 0 && highest > top - 1.5 && ++below % 11 == 0;
+  };
+  std::erase_if(tube.triangles, is_missing);
+  tube.patches.resize(tube.triangles.size());
+  const ClosedSurfaceMade made = closed(tube);
+  ASSERT_EQ(openings_of(made), 2U);
+  EXPECT_NEAR(upper(made).area_mm2, circle, 0.01 * circle);
+}
+
 /// A cube of n squares along each edge without some of its squares.
 TriangleMesh cube_without(int n, const std::function<bool(const Vec3& middle)>& is_cut_out) {
   TriangleMesh cube;
