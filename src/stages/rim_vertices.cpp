@@ -94,18 +94,40 @@ class RimPlane {
   Vec3 normal_, first_;
 };
 
+/// Distance from a vertex of a rim to where an end of a surface meets what is beside it, no more than a
+/// quarter of the resolution too small; 0 if that is not more than `enough_mm`. Flat ends need not be planar,
+/// so that the plane of the mesh's may run beside them.
+double off_end_mm(const Domain& domain, Label label, const Vec3& place, double enough_mm) {
+  constexpr double kStep = 0.25;  // Of the resolution.
+  constexpr int kSteps = 40;
+  double off_mm = enough_mm;
+  for (int step = 0; step < kSteps; ++step) {
+    std::size_t openings = 0, beside = 0;
+    for (const Material m : domain.materials_near(place, off_mm)) {
+      if (domain.label_of(m) == label) continue;
+      (domain.is_beyond_opening(m) ? openings : beside) += 1;
+    }
+    if (openings > 0 && openings + beside > 1) return step == 0 ? 0 : off_mm;
+    off_mm += kStep * domain.resolution_mm();
+  }
+  return off_mm;
+}
+
 /// The line of a patch; empty if all of its rim is where the vessel ends.
 std::string note_on(const Patch& patch, const RimmedPatch& triangles, std::span<const Vec3> points,
                     const TrianglesAt& of_label, const Domain& domain) {
   constexpr double kOff = 0.5;  // Resolutions.
   const RimPlane view(domain, patch.labels[0], triangles.sum.normal.normalized());
   const double radius_mm = circle_radius(triangles.sum.area);
+  const bool is_of_surface = domain.cut_planes().empty();
   std::size_t count = 0;
   double worst_mm = 0;
   Vec3 place = Vec3::Zero();
   for (const auto& [v, edge_mm] : triangles.rim(points, of_label)) {
     const double lift_mm = edge_mm * edge_mm / (8 * radius_mm);  // What an edge cuts off a circle.
-    const double off_mm = view.off_mm(points[v], kOff * domain.resolution_mm() + lift_mm);
+    const double enough_mm = kOff * domain.resolution_mm() + lift_mm;
+    const double off_mm = is_of_surface ? off_end_mm(domain, patch.labels[0], points[v], enough_mm)
+                                        : view.off_mm(points[v], enough_mm);
     if (off_mm == 0) continue;
     ++count;
     if (off_mm <= worst_mm) continue;
@@ -114,10 +136,11 @@ std::string note_on(const Patch& patch, const RimmedPatch& triangles, std::span<
   }
   if (count == 0) return "";
   return fmt::format(
-      "the rim of {} leaves the vessel's section at {}: {:.2g} mm off it, {:.1f} {}; another `edge_length` "
+      "the rim of {} leaves the vessel's section at {}: {:.2g} mm off it, {:.1f} {}{}; another `edge_length` "
       "may help",
       patch.name, place_text(place), worst_mm, worst_mm / domain.resolution_mm(),
-      count == 1 ? "voxels" : fmt::format("voxels, the worst of {}", counted(count, "vertices", "vertices")));
+      is_of_surface ? "edges of the surface" : "voxels",
+      count == 1 ? "" : fmt::format(", the worst of {}", counted(count, "vertices", "vertices")));
 }
 
 }  // namespace

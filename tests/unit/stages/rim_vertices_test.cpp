@@ -2,12 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "fixtures/images.hpp"
+#include "fixtures/surfaces.hpp"
 #include "lumesh/domain/image_domain.hpp"
 #include "lumesh/domain/openings.hpp"
+#include "lumesh/domain/patched_surface.hpp"
+#include "lumesh/domain/surface_domain.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/stages/opening_request.hpp"
 
@@ -58,6 +63,54 @@ TEST(RimVertices, TheLatticeKeepsThemOnTheSection) {
   EXPECT_TRUE(std::ranges::any_of(told, [](const std::string& line) {
     return line.find("the rim of outlet_1 leaves the vessel's section at (") == 0;
   })) << (told.empty() ? "nothing" : told.front());
+}
+
+/// A tube of radius 2 along z, whose ends are hollow by 4 % of that.
+fixtures::TriangleSoup tube_with_hollow_ends() {
+  constexpr std::uint32_t kAround = 40, kRings = 8, kRows = 2 * kRings + 41;
+  fixtures::TriangleSoup soup;
+  for (std::uint32_t k = 0; k < kRows; ++k)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const std::uint32_t from_end = std::min(k, kRows - 1 - k);
+      const double r = from_end < kRings ? 2.0 * (from_end + 0.5) / (kRings + 0.5) : 2;
+      const double depth = 0.08 * (1 - r * r / 4);
+      const double z = k < kRings ? depth : k >= kRows - kRings ? 20 - depth : 0.5 * (k - kRings);
+      const double angle = 2 * std::numbers::pi * i / kAround;
+      soup.points.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+    }
+  const auto at = [](std::uint32_t k, std::uint32_t i) { return k * kAround + i % kAround; };
+  for (std::uint32_t k = 0; k + 1 < kRows; ++k)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      soup.triangles.push_back({at(k, i), at(k, i + 1), at(k + 1, i)});
+      soup.triangles.push_back({at(k, i + 1), at(k + 1, i + 1), at(k + 1, i)});
+    }
+  for (std::uint32_t i = 1; i + 1 < kAround; ++i) {
+    soup.triangles.push_back({at(0, 0), at(0, i + 1), at(0, i)});
+    soup.triangles.push_back({at(kRows - 1, 0), at(kRows - 1, i), at(kRows - 1, i + 1)});
+  }
+  return soup;
+}
+
+/// The surface's own vertices were 1.7 mm off their section, in voxels that it does not have.
+TEST(RimVertices, OfHollowEndsOfSurfacesAreOnTheSection) {
+  const fixtures::TriangleSoup soup = tube_with_hollow_ends();
+  const SurfaceDomain domain(soup.view());
+  ASSERT_EQ(domain.flat_ends().size(), 2U);
+  MixedMesh mesh = PatchedSurface(soup.view()).mesh();
+  const auto told = [&] {
+    std::vector<std::string> lines;
+    Context context({}, [&](std::string_view line) { lines.emplace_back(line); });
+    static_cast<void>(checked_openings(mesh.view(), domain, find_openings(domain), context));
+    return lines;
+  };
+  EXPECT_TRUE(told().empty()) << told().front();
+  Vec3& on_rim = *std::ranges::max_element(mesh.points, {},
+                                           [](const Vec3& p) { return std::abs(p.z()) < 1e-9 ? p.x() : 0; });
+  on_rim *= 1.5;
+  const std::vector<std::string> lines = told();
+  EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) {
+    return line.find("edges of the surface") != std::string::npos;
+  })) << (lines.empty() ? "nothing" : lines.front());
 }
 
 }  // namespace
