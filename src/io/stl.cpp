@@ -90,6 +90,13 @@ class SurfaceBuilder {
   std::map<std::array<double, 3>, std::uint32_t> numbers_;
 };
 
+/// Number of facets in the head of a binary file.
+std::size_t facets_said(const std::string& bytes) {
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + kHeaderBytes, sizeof(count));
+  return count;
+}
+
 MixedMesh parse_binary(const std::filesystem::path& path, const std::string& bytes, std::size_t facets) {
   SurfaceBuilder surface(path, std::string_view(bytes).substr(0, kHeaderBytes));
   surface.begin_solid("");
@@ -152,14 +159,17 @@ void write_stl(const std::filesystem::path& path, const MeshView& mesh) {
 
 MixedMesh read_stl(const std::filesystem::path& path) {
   const std::string bytes = unpacked_file(path);
-  if (bytes.size() >= kHeaderBytes + 4) {
-    std::uint32_t count = 0;
-    std::memcpy(&count, bytes.data() + kHeaderBytes, sizeof(count));
-    if (kHeaderBytes + 4 + std::size_t{count} * kFacetBytes == bytes.size())
-      return parse_binary(path, bytes, count);
-  }
-  if (bytes.starts_with("solid") || bytes.starts_with("SOLID")) return parse_text(path, bytes);
-  fail_damaged(path, "not a complete STL file");
+  if (bytes.size() >= kHeaderBytes + 4 && kHeaderBytes + 4 + facets_said(bytes) * kFacetBytes == bytes.size())
+    return parse_binary(path, bytes, facets_said(bytes));
+  // Headers of binary files begin with "solid", too, but no text holds zeros.
+  const bool is_binary = bytes.find('\0') != std::string::npos;
+  if (!is_binary && (bytes.starts_with("solid") || bytes.starts_with("SOLID")))
+    return parse_text(path, bytes);
+  if (!is_binary || bytes.size() < kHeaderBytes + 4) fail_damaged(path, "not a complete STL file");
+  const std::size_t facets = facets_said(bytes), there = (bytes.size() - kHeaderBytes - 4) / kFacetBytes;
+  if (facets > there)
+    fail_damaged(path, fmt::format("holds {} of {} facets, the file is cut off", there, facets));
+  return parse_binary(path, bytes, facets);  // What follows is padding.
 }
 
 }  // namespace lumesh::io

@@ -254,9 +254,16 @@ TEST_F(StlFile, InBinaryMayBeginWithSolidToo) {
   EXPECT_EQ(mesh.points, (std::vector<Vec3>{{0, 0, 0}, {0.5, 0, 0}, {0, 0.25, 0}}));
 }
 
+TEST_F(StlFile, InBinaryMayBePadded) {
+  const std::vector<float> facet = {0, 0, 1, 0, 0, 0, 0.5, 0, 0, 0, 0.25, 0};
+  for (const char* header : {"", "solid by a program that knows no better"})
+    EXPECT_EQ(read("a.stl", binary_stl(header, 1, facet) + std::string(7, '\0')).triangles.size(), 1U);
+}
+
 TEST_F(StlFile, CutOff) {
   const std::vector<float> facet = {0, 0, 1, 0, 0, 0, 0.5, 0, 0, 0, 0.25, 0};
-  expect_refused("a.stl", binary_stl("", 2, facet), "not a complete STL file");
+  expect_refused("a.stl", binary_stl("", 2, facet), "1 of 2 facets");
+  expect_refused("a.stl", binary_stl("solid by a program that knows no better", 2, facet), "1 of 2 facets");
   const std::string text =
       "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
   expect_refused("a.stl", text, "cut off");
