@@ -100,7 +100,9 @@ void turn_outwards(ClosedSurface& surface) {
   const std::vector<Shell> shells = shells_of(surface.points, surface.triangles, parts);
   for (const Shell& shell : shells)
     if (shell.volume_mm3 == 0)
-      throw_bad_surface("the surface encloses nothing at " + coordinates_text(shell.place_mm) + " mm");
+      throw_bad_surface("the surface encloses nothing at " + coordinates_text(shell.place_mm) +
+                        " mm: a flat part by itself is there, such as a cap whose rim does not match the "
+                        "wall's; repair it first (`lumesh repair`)");
   surface.is_enclosed.resize(surface.triangles.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
     const Shell& shell = shells[parts.of_triangle[t]];

@@ -49,7 +49,13 @@ std::vector<NamedLength> named_lengths_from(const std::string& text) {
     const std::string part = text.substr(begin, end - begin);
     const std::size_t equals = part.rfind('=');
     NamedLength one;
-    if (equals != std::string::npos) one.opening = trimmed(part.substr(0, equals));
+    if (equals != std::string::npos) {
+      one.opening = trimmed(part.substr(0, equals));
+      if (one.opening.empty())
+        throw Error(ErrorKind::kUsage, "\"" + part +
+                                           "\" names no opening; give a length for all, such as 5r, "
+                                           "or an opening's, such as inlet_1=5r");
+    }
     one.length = local_length_from(equals == std::string::npos ? part : part.substr(equals + 1));
     const bool is_twice =
         std::ranges::any_of(lengths, [&](const NamedLength& other) { return other.opening == one.opening; });

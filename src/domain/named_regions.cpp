@@ -92,9 +92,11 @@ void NamedRegions::name_regions() {
   if (has_named_patches) {
     note_doubts(shapes);
     note_bent_ends();
-  } else if (!ends.empty()) {
-    note_pieces(shapes);
-    note_missed_ends();
+  } else {
+    if (!ends.empty()) {
+      note_pieces(shapes);
+      note_missed_ends();
+    }
     note_bent_ends();
   }
 }

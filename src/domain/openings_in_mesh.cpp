@@ -97,6 +97,7 @@ std::string wrong_of(const OpeningInMesh& o) {
 std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   constexpr double kDoubtfulPercent = 2, kThin = 2;  // From so many voxels in radius on.
   constexpr double kOff = 1e-2, kOffEnd = 1e-6;      // Voxels; of the radius of a surface's end.
+  constexpr double kAsBent = 1.1;                    // An end that is bent itself may be as much so.
   constexpr std::size_t kMinEdges = 8;
   std::vector<std::string> lines;
   const Opening& opening = o.opening;
@@ -104,8 +105,8 @@ std::vector<std::string> flaws_of(const OpeningInMesh& o) {
   if (change > kDoubtfulPercent && change <= kWrongOpeningPercent &&
       opening.radius_mm() >= kThin * opening.voxel_mm)
     lines.push_back(text_of_area(o));
-  const double flat_mm =
-      opening.is_of_surface ? opening.off_mm + kOffEnd * opening.radius_mm() : kOff * opening.voxel_mm;
+  const double flat_mm = opening.is_of_surface ? kAsBent * opening.off_mm + kOffEnd * opening.radius_mm()
+                                               : kOff * opening.voxel_mm;
   if ((opening.is_of_surface || opening.squares) && o.shape.off_mm > flat_mm)
     lines.push_back(fmt::format("{} is not flat: {} is {:.2g} mm off its plane", o.patches,
                                 place_text(o.shape.off_at_mm), o.shape.off_mm));

@@ -1,20 +1,26 @@
 #include "lumesh/surface/closing.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "flat_rims.hpp"
 #include "lumesh/core/angles.hpp"
+#include "lumesh/core/error.hpp"
+#include "lumesh/core/place_text.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
 #include "lumesh/surface/loose_triangles.hpp"
 #include "lumesh/surface/planar_patch.hpp"
 #include "rim_triangles.hpp"
+#include "torn_corners.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -63,8 +69,20 @@ class Closer {
     const std::vector<std::uint32_t> loose = loose_triangles(surface_);
     if (loose.empty()) return {};
     const Vec3 place = surface_.points[surface_.triangles[loose.front()][0]];
+    if (loose.size() == surface_.triangles.size()) refuse_loose(place);
     without_triangles(surface_, loose);
     return {loose.size(), place};
+  }
+
+  [[noreturn]] void refuse_loose(const Vec3& place) const {
+    const std::string all = fmt::format("none of the {} triangles has a neighbour, such as at {}",
+                                        surface_.triangles.size(), place_text(place));
+    const double gap_mm = gap_of_torn_corners(surface_);
+    if (!(gap_mm > 0)) throw Error(ErrorKind::kBadInput, all + ": they enclose nothing");
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("{}: their corners lie up to about {:.2g} mm from those of others, too far to be "
+                            "joined; join points within {:.2g} mm in the program that wrote them",
+                            all, gap_mm, gap_mm));
   }
 
   static constexpr std::size_t kNone = ~std::size_t{0};

@@ -323,7 +323,7 @@ TEST(ExtendOpenings, GivesTheSameBitsForEveryThreadCount) {
 TEST(ExtendOpenings, RefusesOpeningsThatAreNot) {
   const StraightTube tube{{19.3, 18.2, 16}, Vec3::UnitZ(), 4};
   EXPECT_THROW(Extended(image_of(tube), "outlet_9=5r"), Error);
-  for (const char* text : {"5x", "-3", "r", "inlet_1=", "5r,6r", "inf", "5r,"})
+  for (const char* text : {"=3", "5x", "-3", "r", "inlet_1=", "5r,6r", "inf", "5r,"})
     EXPECT_THROW(static_cast<void>(named_lengths_from(text)), Error) << text;
 }
 

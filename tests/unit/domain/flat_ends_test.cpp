@@ -128,6 +128,16 @@ TEST(SurfaceDomain, AnEndTooBentToBeOneIsToldOf) {
   EXPECT_NE(domain.patch_notes()[0].find("0.33 mm off a plane"), std::string::npos);
 }
 
+// With one flat end besides, each was told of; without, none.
+TEST(SurfaceDomain, EndsThatAreAllTooBentAreToldOf) {
+  TriangleSoup tube = capped_tube(2, 2, 0);
+  tube.points.back().z() += 0.5;
+  tube.points[tube.points.size() - 2].z() -= 0.5;
+  const SurfaceDomain domain(tube.view());
+  EXPECT_TRUE(domain.flat_ends().empty());
+  EXPECT_EQ(domain.patch_notes().size(), 2U);
+}
+
 TEST(SurfaceDomain, FlatSidesBehindWhichTheObjectEndsAreNoEnds) {
   TriangleSoup disc = capped_tube(2, 2, 0);
   for (Vec3& p : disc.points) p.z() *= 1.0 / 8;

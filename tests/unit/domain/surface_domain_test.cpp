@@ -450,7 +450,7 @@ INSTANTIATE_TEST_SUITE_P(
                         s = s.moved(
                             [](const Vec3& p) { return Vec3(p.x() + 0.5 * p.z(), p.y() - p.z(), 0); });
                       },
-                      "encloses nothing"},
+                      "(`lumesh repair`)"},
         BrokenSurface{"NaN", [](TriangleSoup& s) { s.points[5].y() = NAN; }, "point 5 is not finite"},
         BrokenSurface{"MissingPoint", [](TriangleSoup& s) { s.triangles[3][1] = 99; },
                       "triangle 3 of the surface: point 99 does not exist"},

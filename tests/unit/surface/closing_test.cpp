@@ -9,6 +9,7 @@
 #include <random>
 
 #include "fixtures/surfaces.hpp"
+#include "lumesh/core/error.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/rims.hpp"
@@ -221,6 +222,25 @@ TEST(Closing, APinholeBesideABentEndLeavesTheOpening) {
     ++count;
   }
   EXPECT_GT(count, 10);
+}
+
+/// Triangles that share no corners were left out, and the surface had none then.
+TEST(Closing, TrianglesWithoutNeighboursAreRefused) {
+  const TriangleMesh tube = open_tube({});
+  TriangleMesh torn;
+  for (std::size_t t = 0; t < tube.triangles.size(); ++t) {
+    const auto first = static_cast<std::uint32_t>(torn.points.size());
+    for (const std::uint32_t v : tube.triangles[t])
+      torn.points.emplace_back(tube.points[v] + 0.01 * std::sin(double(t)) * Vec3(1, 0.5, 0.2));
+    torn.triangles.push_back({first, first + 1, first + 2});
+  }
+  torn.patches.assign(torn.triangles.size(), 0);
+  try {
+    static_cast<void>(close_surface(torn.points, torn.triangles, torn.patches, 1));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("join points within"), std::string::npos) << error.what();
+  }
 }
 
 /// Planes that cut the notches of a rim off pass through holes below, and no closed curve was left: wall.
