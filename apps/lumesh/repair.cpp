@@ -6,6 +6,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
+#include "lumesh/stages/mesh_output.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
@@ -28,6 +29,7 @@ void run(RepairCommand command) {
   std::map<std::string, std::string>& provenance = outcome.surface.info.provenance;
   provenance = provenance_of(command.run.making(), command.from, provenance);
   write_results(context, [&] { write_surface(command.to, outcome.surface.view()); });
+  warn_of_names(command.to, outcome.surface.view(), context);
   write_json(command.json_path,
              report::repair_json(outcome, session.notes({{command.to, "the repaired surface"}})));
   say(command.run, "{}", report::repair_text(command.to, outcome));
