@@ -19,6 +19,7 @@
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/surface/findings.hpp"
+#include "lumesh/surface/reports.hpp"
 
 namespace lumesh {
 namespace {
@@ -32,19 +33,43 @@ void check_unit(const MixedMesh& mesh, std::span<const Opening> openings, CheckR
 
 /// What meshing makes of a surface before it begins.
 struct Closed {
-  std::vector<Opening> openings;  ///< Openings at flat ends and at what closes open ones.
-  std::string refusal;            ///< Why it is not meshed; empty if it is.
+  std::vector<Opening> openings;          ///< Openings at flat ends and at what closes open ones.
+  std::vector<surfaces::ClosedRim> rims;  ///< Closed rims, as what they became.
+  std::string refusal;                    ///< Why it is not meshed; empty if it is.
 };
 
 Closed closed_for_meshing(MixedMesh surface) {
   try {
-    static_cast<void>(close_open_ends(surface, {}, Context()));
+    std::vector<surfaces::ClosedRim> rims = close_open_ends(surface, {}, Context());
     const PatchedSurface patched(surface_view(surface));
-    return {openings_of(patched.flat_ends(), patched.resolution_mm()), ""};
+    name_closed(rims, patched.flat_ends());
+    return {openings_of(patched.flat_ends(), patched.resolution_mm()), std::move(rims), ""};
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
-    return {{}, error.what()};
+    return {{}, {}, error.what()};
   }
+}
+
+/// Rims are openings or holes as they are when meshed, not by what they look like alone.
+void count_rims_as_meshing(const Closed& closed, std::vector<Finding>& findings) {
+  const auto count_as = [&](const char* kind, Finding finding, bool is_opening) {
+    finding.count = 0;
+    finding.places_mm.clear();
+    for (const surfaces::ClosedRim& rim : closed.rims)
+      if (rim.is_opening == is_opening && !rim.was_capped) finding.add(rim.given.centre_mm);
+    const auto at = std::ranges::find(findings, kind, &Finding::kind);
+    if (at == findings.end() && finding.count > 0)
+      findings.push_back(std::move(finding));
+    else if (at != findings.end() && finding.count == 0)
+      findings.erase(at);
+    else if (at != findings.end())
+      *at = std::move(finding);
+  };
+  double widest_mm = 0;
+  for (const surfaces::ClosedRim& rim : closed.rims)
+    if (!rim.is_opening) widest_mm = std::max(widest_mm, rim.given.radius_mm);
+  count_as("openings", surfaces::openings_finding(), true);
+  count_as("holes", surfaces::holes_finding(widest_mm), false);
 }
 
 /// Faults are what meshing refuses: those that it repairs itself, as holes, are remarks.
@@ -67,6 +92,7 @@ CheckReport check_surface(const MixedMesh& surface, const std::filesystem::path&
   report.findings =
       naming(path.string(), [&] { return surfaces::findings_of(surface.points, surface.triangles); });
   const Closed closed = closed_for_meshing(surface);
+  if (closed.refusal.empty()) count_rims_as_meshing(closed, report.findings);
   judge_as_meshing(closed, report);
   check_unit(surface, closed.openings, report);
   return report;

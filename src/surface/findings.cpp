@@ -167,14 +167,12 @@ class SurfaceCheck {
   void look_at_rims() {
     const std::vector<Rim> rims = find_rims(alike_);
     const std::vector<std::uint8_t> is_opening = rims_are_openings(alike_, rims);
-    Finding openings = remark("openings", ""), holes = fault("holes", "");
     double widest = 0;
-    for (std::size_t r = 0; r < rims.size(); ++r) {
-      (is_opening[r] != 0 ? openings : holes).add(rims[r].centre_mm);
+    for (std::size_t r = 0; r < rims.size(); ++r)
       if (is_opening[r] == 0) widest = std::max(widest, rims[r].radius_mm);
-    }
-    openings.text = "openings: wide rims at the end of a wall, or too wide for a hole";
-    holes.text = fmt::format("holes in the wall, the widest with a radius of {:.3g} mm", widest);
+    Finding openings = openings_finding(), holes = holes_finding(widest);
+    for (std::size_t r = 0; r < rims.size(); ++r)
+      (is_opening[r] != 0 ? openings : holes).add(rims[r].centre_mm);
     is_closed_ = rims.empty();
     keep(std::move(openings));
     keep(std::move(holes));
@@ -295,6 +293,18 @@ class SurfaceCheck {
 };
 
 }  // namespace
+
+Finding openings_finding() {
+  return {"openings", Severity::kRemark,
+          0,          "openings: wide rims at the end of a wall, or too wide for a hole",
+          "",         {}};
+}
+
+Finding holes_finding(double widest_mm) {
+  return {"holes", Severity::kFault,
+          0,       fmt::format("holes in the wall, the widest with a radius of {:.3g} mm", widest_mm),
+          kRepair, {}};
+}
 
 void require_triangles(std::span<const Cell<3>> triangles) {
   if (triangles.empty()) throw Error(ErrorKind::kBadInput, "the surface has no triangles");

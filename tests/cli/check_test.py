@@ -202,6 +202,21 @@ class CheckTest(ProgramTest):
         self.assertEqual(self.check(self.out), {})
         self.run_well("delaunay", self.out, "-o", self.folder / "mesh.vtu", "--delta", "1", "-q")
 
+    def test_rims_count_as_when_meshed(self):
+        # One end has two points that reach out so far that no plane cuts one off within a radius.
+        wall = [t for t in tube(10) if not all(abs(abs(p[2]) - 5) < 1e-6 for p in t)]
+        bent = lambda p: (p[0], p[1], p[2] + (0.8 * p[0] ** 2 if p[2] > 4.9 else 0))
+        self.write([tuple(bent(p) for p in t) for t in wall])
+        found = self.check(self.stl)
+        info = json.loads(self.run_well("info", self.stl, "--json", "-q").stdout)
+        self.assertEqual(len(info["openings"]), 1)
+        self.assertEqual((found["openings"]["count"], found["holes"]["count"]), (1, 1))
+
+    def test_names_that_a_format_cannot_hold_are_warned_of(self):
+        triangles, named = tube(10), self.folder / "named.stl"
+        write_stl(named, {"left": triangles[:300], "right": triangles[300:]})
+        self.assertIn("left, right are lost", self.run_well("repair", named, "-o", self.folder / "binary.stl").stderr)
+
     def test_openings_stay_open_and_patches_keep_their_names(self):
         wall = [t for t in tube(10) if not all(abs(abs(p[2]) - 5) < 1e-6 for p in t)]
         write_stl(self.stl, {"left": [t for t in wall if sum(p[0] for p in t) < 0],

@@ -31,6 +31,10 @@ inline constexpr double kFoldCosine = -0.99984769515639127;
 [[nodiscard]] std::vector<Finding> findings_of(std::span<const Vec3> points,
                                                std::span<const Cell<3>> triangles);
 
+/// Findings of openings and of holes, without places yet.
+[[nodiscard]] Finding openings_finding();
+[[nodiscard]] Finding holes_finding(double widest_mm);
+
 /// For each rim, whether it is an opening: wide and within a radius of its plane, or coarse and planar, and
 /// at the end of a wall that comes to it across that. What is missing within a wall is a hole, however flat
 /// the wall is, unless its radius is more than 5 % of the surface's diagonal: that is nobody's to fill
