@@ -53,6 +53,7 @@ struct RegionRim {
   std::map<std::uint32_t, std::uint32_t> next;
   double length_mm = 0;
   double on_flat_mm = 0;  // Beside flat regions; of a flat patch, beside flat patches.
+  double ahead_mm = 0;    // Beside triangles that rise ahead of the plane, as at the foot of a step.
   bool is_of_patch = false;
 
   /// True if little around is flat, as facets of walls of few triangles are.
@@ -60,10 +61,12 @@ struct RegionRim {
     constexpr double kMaxFlat = 0.1;
     return on_flat_mm <= kMaxFlat * length_mm;
   }
-  /// In one curve; a patch may also be the ring that a solid wall ends in.
+  /// In one curve; a patch may also be the ring that a solid wall ends in, but not the face of a step.
   [[nodiscard]] bool ends_as_ends_do() const {
+    constexpr double kMaxAhead = 0.1;
     return is_of_patch
-               ? std::ranges::all_of(next, [&](const auto& edge) { return next.contains(edge.second); })
+               ? ahead_mm <= kMaxAhead * length_mm &&
+                     std::ranges::all_of(next, [&](const auto& edge) { return next.contains(edge.second); })
                : is_one_curve(next);
   }
 };
@@ -103,9 +106,18 @@ std::vector<bool> regions_of_flat_patches(const FeatureRegions& regions, const s
   return is_of_flat;
 }
 
+/// The greatest height of a triangle's corners over another one.
+double height_over(const ClosedSurface& surface, std::uint32_t below, std::uint32_t triangle) {
+  double most = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    most = std::max(most, surface.normals[below].dot(surface.corner(triangle, i) - surface.corner(below, 0)));
+  return most;
+}
+
 /// Rims of planes, each at the number of its first region.
 std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegions& regions,
                                const std::vector<bool>& is_flat, const std::vector<std::uint32_t>& plane_of) {
+  constexpr double kAhead = 0.2;  // Of the edge.
   const std::vector<bool> is_of_flat_patch = regions_of_flat_patches(regions, is_flat, plane_of);
   std::vector<RegionRim> rims(is_flat.size());
   for (std::uint32_t r = 0; r < rims.size(); ++r) rims[plane_of[r]].is_of_patch = true;
@@ -121,6 +133,7 @@ std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegion
       const double edge_mm = (surface.corner(t, (s + 1) % 3) - surface.corner(t, s)).norm();
       rim.length_mm += edge_mm;
       if (rim.is_of_patch ? is_of_flat_patch[other] : is_flat[other]) rim.on_flat_mm += edge_mm;
+      if (height_over(surface, t, surface.neighbours[t][s]) > kAhead * edge_mm) rim.ahead_mm += edge_mm;
       rim.next[surface.triangles[t][s]] = surface.triangles[t][(s + 1) % 3];
     }
   }
@@ -196,17 +209,20 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
   const std::vector<RegionRim> rims = rims_of(surface, regions, is_flat, plane_of);
   for (std::size_t r = 0; r < shapes.size(); ++r) {
     const RegionRim& rim = rims[plane_of[r]];
+    shapes[r].is_flat = is_flat[r];
     shapes[r].is_like_end = is_flat[r] && rim.is_mostly_on_bent() && rim.ends_as_ends_do();
-    shapes[r].is_flat_end = shapes[r].is_like_end && rim.on_flat_mm == 0;
+    shapes[r].is_flat_end = shapes[r].is_like_end && (rim.on_flat_mm == 0 || rim.is_of_patch);
   }
+  constexpr double kAlongWall = 0.85;  // 32 degrees: a piece of the wall, as a strip or a flat plaque.
   std::vector<std::vector<std::uint32_t>> ends(shapes.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     if (const std::uint32_t r = regions.of_triangle[t]; shapes[r].is_like_end) ends[r].push_back(t);
   measure_rims(surface, regions, ends, shapes);
   parallel::for_each_index(shapes.size(), 1, [&](std::size_t i) {
     const auto r = static_cast<std::uint32_t>(i);
-    if (shapes[r].is_like_end)
-      shapes[r].wall_cosine = cosine_of_wall(surface, regions, r, shapes[r], std::move(ends[r]));
+    if (!shapes[r].is_like_end) return;
+    shapes[r].wall_cosine = cosine_of_wall(surface, regions, r, shapes[r], std::move(ends[r]));
+    if (rims[plane_of[r]].is_of_patch && shapes[r].wall_cosine > kAlongWall) shapes[r].is_flat_end = false;
   });
   return shapes;
 }

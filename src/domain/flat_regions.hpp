@@ -20,9 +20,10 @@ struct RegionShape {
   Vec3 normal = Vec3::Zero();  // The mean, out of the object.
   double evenness = 0;         // Of the normals: 1 if they are all alike.
   Box3 box_mm;
+  bool is_flat = false;  // In one plane, and not around a cavity.
   // In one plane that ends at one closed curve, beside regions that are bent; if all of its patch is in the
-  // plane, at closed curves beside patches that are not in one. On the outside of the object, not around a
-  // cavity. Several regions may share it.
+  // plane, at closed curves of which nine tenths are beside patches that are not in one and behind the plane.
+  // On the outside of the object, not around a cavity. Several regions may share it.
   bool is_flat_end = false;
   bool is_like_end = false;  // One, or it would be but for facets of the wall, a tenth of its rim at most.
   double wall_cosine = 0;    // Of these: mean cosine between the normal and those of the wall around. 0 where

@@ -71,7 +71,7 @@ void NamedRegions::name_regions() {
     Patch patch{"", PatchKind::kWall, {1, kBackground}};
     const Patch* const known = patch_of_file(regions.patches[r]);
     const bool is_cap_there = is_cap_of_file(regions.patches[r]);
-    const bool is_end = shapes[r].is_flat_end || is_cap_there;
+    const bool is_end = is_end_of_vessel(r, shapes[r]);
     if (is_cap_there || (!has_named_patches && is_end)) {
       patch = {free_opening_name(), PatchKind::kOpening, {1, kBackground}};
     } else if (has_named_patches) {
@@ -99,6 +99,13 @@ void NamedRegions::name_regions() {
     }
     note_bent_ends();
   }
+}
+
+/// A flat region that is known to be an opening is one whatever is beside it, as the flat sides of a channel.
+bool NamedRegions::is_end_of_vessel(std::uint32_t region, const RegionShape& shape) const {
+  const Patch* const known = patch_of_file(regions.patches[region]);
+  const bool is_known = known != nullptr && known->kind == PatchKind::kOpening;
+  return shape.is_flat_end || is_cap_of_file(regions.patches[region]) || (is_known && shape.is_flat);
 }
 
 /// Openings that touch each other and face alike: an end too far from flat to be one.
@@ -244,6 +251,13 @@ void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
           "patch \"{}\" is flat in {:.0f} % of its area, at {}, but is taken as wall, as other "
           "triangles of it are not in that plane; leave these to the wall's patch to make it an opening",
           patch.name, 100 * flat.flat_mm2 / flat.area_mm2, fmt::join(flat.places, " and ")));
+    const RegionShape& shape = shapes[flat.first_region];
+    if (patch.kind == PatchKind::kWall && !is_wall_name(patch.name) && shape.is_like_end &&
+        !shape.is_flat_end)
+      notes.push_back(fmt::format(
+          "patch \"{}\" at {} is flat, but taken as wall, as the wall around goes on almost in its plane; "
+          "where a vessel ends there, a cut before it makes an opening ({})",
+          patch.name, place_text(shape.centre_mm), option_name("cut_at")));
     if (patch.kind == PatchKind::kOpening && flat.bent_mm2 >= kMinBent * flat.area_mm2)
       notes.push_back(
           fmt::format("patch \"{}\" is taken as an opening, all of it, though {:.0f} % of its area are bent "

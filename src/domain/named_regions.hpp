@@ -42,6 +42,7 @@ struct NamedRegions {
   void note_doubts(std::span<const RegionShape> shapes);
   [[nodiscard]] const Patch* patch_of_file(std::int32_t number) const;
   [[nodiscard]] bool is_cap_of_file(std::int32_t number) const;
+  [[nodiscard]] bool is_end_of_vessel(std::uint32_t region, const RegionShape& shape) const;
   [[nodiscard]] std::string name_of_file(std::uint32_t region) const;
   [[nodiscard]] std::vector<std::array<Vec3, 3>> triangles_of(std::uint32_t region) const;
   [[nodiscard]] std::string free_opening_name();

@@ -116,6 +116,7 @@ Polylines lines_of_pieces(const std::vector<Piece>& pieces, const Extract& extra
 /// oblique tips. Before these it is that of the parabola over the next two radii.
 Vec3 direction_at(const Polylines& lines, const std::vector<std::uint32_t>& line, std::size_t at) {
   constexpr std::size_t kTip = 2, kHalf = 4;  // Points are a quarter of a radius apart.
+  constexpr double kMinCosine = 0.97;         // 14 degrees: a line turns more at a fork.
   const std::size_t first = std::min(kTip, (line.size() - 1) / 3), last = line.size() - 1 - first;
   const std::size_t half = std::min(kHalf, (last - first) / 2);
   const std::size_t middle = std::clamp(at, first + half, last - half);
@@ -131,7 +132,8 @@ Vec3 direction_at(const Polylines& lines, const std::vector<std::uint32_t>& line
   }
   const double beyond = static_cast<double>(at) - static_cast<double>(middle);
   const Vec3 chord = (lines.points[line[middle + half]] - lines.points[line[middle - half]]) / (2 * reach);
-  return squares > 0 ? Vec3(chord + 2 * beyond / squares * bend) : chord;
+  const Vec3 there = squares > 0 ? Vec3(chord + 2 * beyond / squares * bend) : chord;
+  return there.normalized().dot(chord.normalized()) < kMinCosine ? chord : there;
 }
 
 /// The vessel that the place is the fewest radii off.

@@ -475,6 +475,33 @@ class SurfacesTest(ProgramTest):
             for opening in told["openings"]:
                 self.assertAlmostEqual(opening["area_mm2"], 8, places=6)
 
+    def openings_of_ids(self, points, triangles, ids):
+        run = self.run_well("info", self.vtp(points, triangles, ModelFaceID=ids), "--json")
+        return sorted(o["name"] for o in json.loads(run.stdout)["openings"]), run.stderr
+
+    def test_flat_pieces_of_a_wall_are_no_openings(self):
+        points, wall, low, high = closed_tube()
+        strip = [10 if t // 2 % 24 == 5 else 7 for t in range(len(wall))]  # One facet from end to end.
+        names, told = self.openings_of_ids(points, wall + low + high, strip + [8] * len(low) + [9] * len(high))
+        self.assertEqual(names, ["face_8", "face_9"])
+        self.assertIn('patch "face_10"', told)
+        self.assertIn("goes on almost in its plane", told)
+
+    def test_the_face_of_a_step_is_no_opening(self):
+        profile = [(0, 1), (4, 1), (4, 0), (10, 0), (10, 2), (4, 2), (0, 2)]  # Of a channel that widens at x = 4.
+        ids_of_sides = [7, 10, 7, 9, 7, 7, 8]
+        points = [(x, y, z) for y in (0, 2) for x, z in profile]
+        triangles, ids = [], []
+        for i, number in enumerate(ids_of_sides):
+            a, b = i, (i + 1) % 7
+            triangles += [(a, b, b + 7), (a, b + 7, a + 7)]
+            ids += [number, number]
+        for a, b, c in ((0, 1, 5), (0, 5, 6), (1, 2, 3), (1, 3, 4), (1, 4, 5)):
+            triangles += [(a, c, b), (a + 7, b + 7, c + 7)]
+            ids += [7, 7]
+        names, _ = self.openings_of_ids(points, [t[::-1] for t in triangles], ids)
+        self.assertEqual(names, ["face_8", "face_9"])
+
     def test_an_array_of_numbers_that_no_patch_has_is_told(self):
         points, wall, low, high = closed_tube()
         good = [7] * len(wall) + [8] * len(low) + [9] * len(high)

@@ -315,6 +315,10 @@ TEST(SurfaceDomain, PatchesOfTheFileAreEndsThoughTheWallAroundIsFlat) {
   EXPECT_TRUE(SurfaceDomain({box.points, box.triangles, box.patches, piece}).flat_ends().empty());
   box.patches = {0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5};
   EXPECT_TRUE(SurfaceDomain({box.points, box.triangles, box.patches, {}}).flat_ends().empty());
+  // Two of the six are said to be openings.
+  std::vector<Patch> sides(6, {"side", PatchKind::kWall, {}});
+  for (const std::size_t end : {4, 5}) sides[end] = {"end_" + std::to_string(end), PatchKind::kOpening, {}};
+  EXPECT_EQ(SurfaceDomain({box.points, box.triangles, box.patches, sides}).flat_ends().size(), 2U);
 }
 
 TEST(SurfaceDomain, TheFeatureAngleDecidesWhatIsSharp) {
