@@ -49,6 +49,7 @@ class PairsApart {
     const auto [at, is_new] = known_.emplace(pair, false);
     if (is_new)
       at->second = chunks_.are_apart(pair.first, pair.second) &&
+                   chunks_.narrows_between(pair.first, pair.second) &&
                    chunks_.passing_sides(pair.first, pair.second, place.cast<double>()).has_value();
     return at->second;
   }
@@ -69,6 +70,7 @@ std::set<Pair> touching_pairs(const VesselChunks& chunks) {
     const ChunkFace& middle = faces[faces.size() / 2];
     const bool is_neck = chunks.is_neck(middle.first, middle.second);
     if (!is_neck && !chunks.hang_by_thread(middle.first, middle.second)) return;
+    if (!chunks.narrows_between(middle.first, middle.second)) return;
     const auto sides =
         chunks.passing_sides(middle.first, middle.second, chunks.place_of(middle.voxel).cast<double>());
     if (!sides) return;

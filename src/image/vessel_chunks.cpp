@@ -1,5 +1,6 @@
 #include "vessel_chunks.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -38,6 +39,10 @@ constexpr double kTiny = 1e-9;
 // Half width of what is a cavity of one vessel; pockets that vessels side by side enclose are thinner.
 constexpr float kThinCavity = 2;
 constexpr float kAlike = 0.6F;  // Half widths along one vessel.
+// Chords between two vessels, as a share of the shorter one of theirs; half a voxel edge of each is
+// uncertain.
+constexpr double kChordShare = 0.85, kChordUncertain = 0.5;
+constexpr double kMaxOverlap = 0.65;  // Of the balls of two vessels, in half widths of the thinner.
 
 const std::array<Index3, 6> kSides = {Index3(-1, 0, 0), Index3(1, 0, 0),  Index3(0, -1, 0),
                                       Index3(0, 1, 0),  Index3(0, 0, -1), Index3(0, 0, 1)};
@@ -363,6 +368,48 @@ bool VesselChunks::are_apart(std::uint32_t a, std::uint32_t b) const {
 
 bool VesselChunks::hang_by_thread(std::uint32_t a, std::uint32_t b) const {
   return saddle(a, b) <= kThread && are_apart(a, b);
+}
+
+/// How long the object is along a line through a place, at most so long on either side.
+double VesselChunks::chord(const Vec3& middle, const Vec3& way, double most) const {
+  constexpr double kStep = 0.25;
+  const auto is_in = [&](const Vec3& at) {
+    const Index3 voxel = (at.array() + 0.5).floor().cast<int>();
+    return contains(voxel) && chunk_of_[offset(voxel)] != kNoChunk;
+  };
+  double length = 0;
+  for (const double sign : {-1.0, 1.0}) {
+    const Vec3 step = (sign * kStep * way).cwiseQuotient(edges_);
+    for (int steps = 1; kStep * steps <= most && is_in(middle + steps * step); ++steps) length += kStep;
+  }
+  return length;
+}
+
+/// In a convex object a chord is at least as long as the shorter one of two that are parallel to it on both
+/// sides (Brunn and Minkowski). So chunks that voxels part along the long axis of an oval section are told
+/// from vessels side by side, which have a groove between them.
+bool VesselChunks::narrows_between(std::uint32_t a, std::uint32_t b) const {
+  constexpr int kDirections = 6, kPlaces = 12;
+  constexpr double kReach = 2.5;
+  const auto least = static_cast<double>(std::min(chunks_[a].half_width, chunks_[b].half_width)),
+             most = static_cast<double>(std::max(chunks_[a].half_width, chunks_[b].half_width));
+  if (most < static_cast<double>(kMinVessel)) return false;
+  if (least < static_cast<double>(kAlike) * most) return true;  // Chunks of one section are alike.
+  const Vec3 from = chunks_[a].seed.cast<double>(), to = chunks_[b].seed.cast<double>();
+  const Vec3 apart = (to - from).cwiseProduct(edges_);
+  if (least + most - apart.norm() > kMaxOverlap * least) return false;
+  const Vec3 across = apart.unitOrthogonal(), up = apart.normalized().cross(across);
+  const double share = kChordShare - kChordUncertain / least;
+  const auto is_narrower_along = [&](int i, int j) {
+    const Vec3 way = (i * across + j * up).normalized();
+    const double limit = share * std::min(chord(from, way, kReach * most), chord(to, way, kReach * most));
+    for (int place = 1; place < kPlaces; ++place)
+      if (chord(from + (to - from) * place / kPlaces, way, kReach * most) <= limit) return true;
+    return false;
+  };
+  for (int i = -kDirections; i < kDirections; ++i)  // All around: along the sides of a square.
+    if (is_narrower_along(i, kDirections) || is_narrower_along(kDirections, i + 1)) return true;
+  return false;
 }
 
 bool VesselChunks::goes_on_from_wall(const std::vector<std::uint32_t>& side, const Vec3& place) const {

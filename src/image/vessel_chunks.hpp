@@ -43,6 +43,8 @@ class VesselChunks {
   [[nodiscard]] bool are_apart(std::uint32_t a, std::uint32_t b) const;
   /// The same, and one or two voxels thick where they share faces.
   [[nodiscard]] bool hang_by_thread(std::uint32_t a, std::uint32_t b) const;
+  /// Whether the object between the middles of two chunks is narrower than at both, as a convex one never is.
+  [[nodiscard]] bool narrows_between(std::uint32_t a, std::uint32_t b) const;
   /// The chunks around a place between two, by the chunk to which the way is wider: of vessels side by side.
   using Sides = std::array<std::vector<std::uint32_t>, 2>;
   /// @return Empty unless the parts on both sides go on in two directions.
@@ -77,6 +79,7 @@ class VesselChunks {
   void part();
   /// @return Whether there is any: then its chunks are new, and all is to be parted anew.
   bool continue_interrupted_vessels();
+  [[nodiscard]] double chord(const Vec3& middle, const Vec3& way, double most) const;
   [[nodiscard]] float widest_way_around(std::uint32_t a, std::uint32_t b) const;
   [[nodiscard]] bool goes_on_from_wall(const std::vector<std::uint32_t>& side, const Vec3& place) const;
   [[nodiscard]] bool goes_on_from_axis(const std::vector<std::uint32_t>& side, const Vec3& place) const;

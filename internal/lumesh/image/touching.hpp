@@ -5,7 +5,7 @@
 /// distance from the background from the middles of balls (Meyer 1994, doi:10.1016/0165-1684(94)90060-4).
 /// Where the way from one chunk to the next is much thinner than both is a neck. Vessels touch at a neck, or
 /// a voxel apart, where those on both sides of it go on in two directions, seen from the wall or from the
-/// axis; ends and narrowings do not.
+/// axis; ends and narrowings do not, nor do parts of one section that is nowhere narrower between them.
 
 #include <cstdint>
 #include <vector>

@@ -163,6 +163,40 @@ TEST(Touching, CavityOfAVesselIsNoContact) {
   }
 }
 
+/// An oval vessel through an image of 56 voxels a side; a helical one turns by `turn` a voxel.
+struct OvalVessel {
+  Vec3 way, wide;
+  double half_length = 0, half_breadth = 0, turn = 0;
+
+  [[nodiscard]] bool contains(const Vec3& p) const {
+    const Vec3 off = p - Vec3(27.3, 27.6, 27.4);
+    const double angle = turn * off.dot(way), x = off.dot(wide), y = off.dot(way.cross(wide));
+    return std::hypot((std::cos(angle) * x + std::sin(angle) * y) / half_length,
+                      (std::cos(angle) * y - std::sin(angle) * x) / half_breadth) <= 1;
+  }
+};
+
+// Voxels part the long axis of a section into chunks, with no groove between.
+TEST(Touching, AnOvalVesselIsNotTwo) {
+  for (int seed = 1; seed <= 40; ++seed) {
+    std::mt19937 random(static_cast<unsigned>(seed));
+    const auto between = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    const double radius = between(3, 7), ratio = between(1.3, 2.5);
+    const Vec3 way = Vec3(between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
+    const OvalVessel vessel = {way, way.unitOrthogonal(), radius * std::sqrt(ratio),
+                               radius / std::sqrt(ratio), seed % 2 == 0 ? 0.0 : between(-0.08, 0.08)};
+    LabelImage image = fixtures::voxels_of(frame_of({56, 56, 56}), {0, 1},
+                                           [&](const Vec3& p) { return vessel.contains(p) ? 1 : 0; });
+    SCOPED_TRACE(testing::Message() << "seed " << seed << " radius " << radius << " ratio " << ratio);
+    const std::vector<ThinPlace> places = find_thin_places(image);
+    EXPECT_FALSE(has_kind(places, ThinPlace::Kind::kTouching));
+    EXPECT_FALSE(has_kind(places, ThinPlace::Kind::kNear));
+    EXPECT_EQ(separate_touching(image).voxels, 0U);
+  }
+}
+
 // Both ends of each vessel lie to one side of its wall.
 TEST(Touching, VesselsThatBendAwayFromEachOtherAreFound) {
   const Vessel one = {
