@@ -101,8 +101,11 @@ void VesselChunks::find_distances(const LabelImage& image) {
   };
   measure();
   if (fill_wide_cavities(all)) measure();
-  parallel::for_each_index(distance_.size(), 1 << 14, [&](std::size_t v) {
-    if (all.at(low_ + place_of(v)) == 0) distance_[v] = 0;
+  const auto row = static_cast<std::size_t>(size_.x());
+  parallel::for_each_index(distance_.size() / row, 1 << 8, [&](std::size_t r) {
+    const std::size_t first = all.frame().offset(low_ + place_of(r * row));
+    for (std::size_t i = 0; i < row; ++i)
+      if (all.voxels()[first + i] == 0) distance_[r * row + i] = 0;
   });
 }
 
@@ -306,13 +309,18 @@ bool VesselChunks::continue_interrupted_vessels() {
 }
 
 bool VesselChunks::is_beside(std::size_t voxel) const {
+  // Without the place, which takes divisions: what is beside it in memory may be at the other end of a row.
+  const std::array<std::size_t, 3> steps = {
+      1, static_cast<std::size_t>(size_.x()),
+      static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y())};
+  const auto is_object = [&](std::size_t v) { return v < chunk_of_.size() && chunk_of_[v] != kNoChunk; };
+  const auto has_any = [&](std::size_t step) { return is_object(voxel - step) || is_object(voxel + step); };
+  if (std::ranges::none_of(steps, has_any)) return false;
   const Index3 place = place_of(voxel);
-  std::size_t step = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    if ((place[axis] > 0 && chunk_of_[voxel - step] != kNoChunk) ||
-        (place[axis] + 1 < size_[axis] && chunk_of_[voxel + step] != kNoChunk))
+  for (std::size_t axis = 0; axis < steps.size(); ++axis) {
+    const int at = place[static_cast<Eigen::Index>(axis)], size = size_[static_cast<Eigen::Index>(axis)];
+    if ((at > 0 && is_object(voxel - steps[axis])) || (at + 1 < size && is_object(voxel + steps[axis])))
       return true;
-    step *= static_cast<std::size_t>(size_[axis]);
   }
   return false;
 }
