@@ -94,8 +94,11 @@ std::vector<Vec3> clip_piece(LabelImage& image, const Index3& voxel, const Local
   const double voxel_mm = image.frame().spacing_mm.maxCoeff();
   const auto is_wide = [&](std::uint32_t tip) { return lines.scalars.at("radius")[tip] >= voxel_mm; };
   const auto cut = [&](const AxisPlace& at) {
-    planes.push_back(
-        cut_off_vessel(image, at.across, at.section_radius_mm, kMaxWideningAtEnds, CutPart::kAbove).plane);
+    const CutVessel made =
+        cut_off_vessel(image, at.across, at.section_radius_mm, kMaxWideningAtEnds, CutPart::kAbove);
+    const std::string doubt = doubt_about_section(at, made.section_mm2);
+    if (!doubt.empty()) context.warn(doubt);
+    planes.push_back(made.plane);
   };
   const std::vector<BorderSection> sections = border_sections(image, planes);
   const auto shape_of = [&](const Vec3& end, const Vec3& outward, double radius_mm) {

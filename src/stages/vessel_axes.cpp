@@ -235,6 +235,7 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
                            const std::function<bool(std::uint32_t)>& is_end, const ShapeOfEnd& shape_of,
                            const std::vector<CutPlane>& before,
                            const std::function<void(const AxisPlace&)>& cut, const Context& context) {
+  constexpr double kMaxOfEnd = 1.5;  // Sections over the end's; a fork begins with less than two vessels.
   std::vector<Vec3> ends;
   for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
     if (!is_end(from_end.front())) continue;
@@ -253,7 +254,8 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
       const EndShape shape = shape_of(end, found.across.normal, found.radius_mm);
       const double min_mm = shape.depth_mm;
       if (min_mm > asked_mm) found = place_before({min_mm});
-      found.section_radius_mm = std::max(found.radius_mm, circle_radius(shape.section_mm2));
+      found.section_radius_mm =
+          std::max(found.radius_mm, circle_radius(kMaxOfEnd / kMaxWideningAtEnds * shape.section_mm2));
       cut(found);
       if (min_mm > asked_mm)
         context.warn(

@@ -22,8 +22,8 @@ struct AxisPlace {
   double off_radii = std::numeric_limits<double>::infinity();
   double radius_mm = 0;
   CutPlane across;  ///< Square to the axis.
-  /// Radius of a circle as large as the vessel's end, where that is known and larger: oval vessels are wider
-  /// than the ball that fits.
+  /// Radius of a circle with three quarters of the area of the vessel's end, where that is known and larger:
+  /// oval vessels are wider than the ball that fits.
   double section_radius_mm = 0;
 };
 
