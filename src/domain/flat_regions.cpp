@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <span>
 #include <utility>
@@ -213,7 +214,6 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
     shapes[r].is_like_end = is_flat[r] && rim.is_mostly_on_bent() && rim.ends_as_ends_do();
     shapes[r].is_flat_end = shapes[r].is_like_end && (rim.on_flat_mm == 0 || rim.is_of_patch);
   }
-  constexpr double kAlongWall = 0.85;  // 32 degrees: a piece of the wall, as a strip or a flat plaque.
   std::vector<std::vector<std::uint32_t>> ends(shapes.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     if (const std::uint32_t r = regions.of_triangle[t]; shapes[r].is_like_end) ends[r].push_back(t);

@@ -14,6 +14,10 @@ namespace lumesh::surfaces {
 /// How far corners of a flat region are off its plane, of its radius.
 inline constexpr double kMaxBent = 0.05;
 
+/// Mean cosine of the wall around a flat patch beyond which this is a piece of the wall, as a strip along a
+/// tube or a flat plaque: 32 degrees.
+inline constexpr double kAlongWall = 0.85;
+
 struct RegionShape {
   double area_mm2 = 0;
   Vec3 centre_mm = Vec3::Zero();

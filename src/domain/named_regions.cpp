@@ -253,7 +253,7 @@ void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
           patch.name, 100 * flat.flat_mm2 / flat.area_mm2, fmt::join(flat.places, " and ")));
     const RegionShape& shape = shapes[flat.first_region];
     if (patch.kind == PatchKind::kWall && !is_wall_name(patch.name) && shape.is_like_end &&
-        !shape.is_flat_end)
+        !shape.is_flat_end && shape.wall_cosine > kAlongWall)
       notes.push_back(fmt::format(
           "patch \"{}\" at {} is flat, but taken as wall, as the wall around goes on almost in its plane; "
           "where a vessel ends there, a cut before it makes an opening ({})",

@@ -3,6 +3,7 @@
 #include "band.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "lumesh/parallel/loops.hpp"

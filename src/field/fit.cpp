@@ -1,8 +1,12 @@
 #include "fit.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "binomial.hpp"
 #include "border_derivatives.hpp"

@@ -234,7 +234,7 @@ void separate_at_edges(const VesselChunks& chunks, const std::vector<ContactElem
            !chunks.is_filled(chunks.offset(place)) && !gone.contains(chunks.offset(place));
   };
   for (const ContactElement& e : elements) {
-    if (!e.is_face()) continue;
+    if (!e.is_face() || chunks.is_filled(e.voxel) || chunks.is_filled(e.other)) continue;
     const bool is_first = chunks.chunks()[e.first].half_width >= chunks.chunks()[e.second].half_width;
     const std::uint32_t thicker = is_first ? e.first : e.second, thinner = is_first ? e.second : e.first;
     for_each_around(chunks.place_of(e.voxel), 1, [&](const Index3& place) {

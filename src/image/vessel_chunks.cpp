@@ -398,11 +398,11 @@ double VesselChunks::chord(const Vec3& middle, const Vec3& way, double most) con
 /// from vessels side by side, which have a groove between them.
 bool VesselChunks::narrows_between(std::uint32_t a, std::uint32_t b) const {
   constexpr int kDirections = 6, kPlaces = 12;
-  constexpr double kReach = 2.5;
+  constexpr double kReach = 2.5, kTooThin = 2.7;
   const auto least = static_cast<double>(std::min(chunks_[a].half_width, chunks_[b].half_width)),
              most = static_cast<double>(std::max(chunks_[a].half_width, chunks_[b].half_width));
-  if (most < static_cast<double>(kMinVessel)) return false;
-  if (least < static_cast<double>(kAlike) * most) return true;  // Chunks of one section are alike.
+  // Chunks of one section are alike; chords of thin ones are whole voxels, which say too little.
+  if (least < kTooThin || least < static_cast<double>(kAlike) * most) return true;
   const Vec3 from = chunks_[a].seed.cast<double>(), to = chunks_[b].seed.cast<double>();
   const Vec3 apart = (to - from).cwiseProduct(edges_);
   if (least + most - apart.norm() > kMaxOverlap * least) return false;

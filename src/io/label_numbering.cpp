@@ -246,7 +246,7 @@ StepVoxels step_voxels(const LabelImage& image) {
 /// them, more than 2 in 5 voxels lie between the two. In masks blurred by 0.4 to 2 voxels, with noise or
 /// without, in 8 to 31 steps, this median is 0.64 to 1; of segmentations of 5 to 312 labels 0.01 at most.
 bool are_mostly_steps(const LabelImage& image) {
-  constexpr std::size_t kFewest = 5, kMost = 1024;  // Labels; walls of up to four layers are nested, too.
+  constexpr std::size_t kFewest = 6, kMost = 1024;  // Labels; lumens in walls of four layers are nested, too.
   constexpr double kMedian = 0.4;
   const std::size_t labels = image.values().size() - 1;
   if (labels < kFewest || labels > kMost) return false;

@@ -1,6 +1,7 @@
 // OFF of Geomview: points and polygons of a surface, text; no place for patches.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 #include <vector>
 

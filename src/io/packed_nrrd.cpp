@@ -116,11 +116,13 @@ std::string_view field_value(std::string_view line) {
 
 /// Texts of a field, one per axis: words, or vectors in brackets.
 std::vector<std::string> values_of(std::string_view text) {
-  std::string joined(text);
+  std::string joined;
   bool is_vector = false;
-  for (char& c : joined) {
+  for (const char c : text) {
     if (c == '(' || c == ')') is_vector = c == '(';
-    if (is_vector && c == ' ') c = '_';
+    if (is_vector && (c == ' ' || c == '\t')) continue;
+    joined += c;
+    if (c == ')') joined += ' ';
   }
   std::istringstream in(joined);
   return {std::istream_iterator<std::string>(in), {}};
@@ -178,6 +180,7 @@ NrrdNotes nrrd_notes(const fs::path& path) {
   std::vector<Vec3> axes;
   std::vector<std::string> spacings, kinds;
   std::optional<Vec3> to_lps;
+  bool has_space_units = false;  // Those of `units` come after them.
   std::string text;
   while (std::getline(in, text) && !text.empty() && text != "\r") {
     if (text.size() > (is_free_text(text) ? kLongestText : kLongestField))
@@ -188,7 +191,9 @@ NrrdNotes nrrd_notes(const fs::path& path) {
     if (is_field(text, "kinds")) kinds = values_of(field_value(text));
     if (is_field(text, "spacedirections")) axes = vectors_of(text);
     if (is_field(text, "space")) to_lps = factors_to_lps(field_value(text));
-    if (is_field(text, "spaceunits") || is_field(text, "units")) notes.unit = unit_of(text);
+    const bool is_of_space = is_field(text, "spaceunits");
+    if (is_of_space || (is_field(text, "units") && !has_space_units)) notes.unit = unit_of(text);
+    has_space_units = has_space_units || is_of_space;
     if (is_field(text, "datafile") && is_pattern(text))
       fail(path, "keeps its voxels in files named by a pattern; save it as one .nrrd file");
   }

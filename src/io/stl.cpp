@@ -161,12 +161,15 @@ MixedMesh read_stl(const std::filesystem::path& path) {
   const std::string bytes = unpacked_file(path);
   if (bytes.size() >= kHeaderBytes + 4 && kHeaderBytes + 4 + facets_said(bytes) * kFacetBytes == bytes.size())
     return parse_binary(path, bytes, facets_said(bytes));
-  // Headers of binary files begin with "solid", too, but no text holds zeros.
-  const bool is_binary = bytes.find('\0') != std::string::npos;
+  // Headers of binary files begin with "solid", too, but no text holds zeros, except behind its end.
+  const std::size_t end = bytes.find_last_not_of('\0');
+  const bool is_binary = bytes.find('\0') < end;
   if (!is_binary && (bytes.starts_with("solid") || bytes.starts_with("SOLID")))
     return parse_text(path, bytes);
   if (!is_binary || bytes.size() < kHeaderBytes + 4) fail_damaged(path, "not a complete STL file");
+  constexpr std::size_t kPlausible = 1000;  // Times as many as there are: else it is no count.
   const std::size_t facets = facets_said(bytes), there = (bytes.size() - kHeaderBytes - 4) / kFacetBytes;
+  if (facets > kPlausible * (there + 1)) fail_damaged(path, "not a complete STL file");
   if (facets > there)
     fail_damaged(path, fmt::format("holds {} of {} facets, the file is cut off", there, facets));
   return parse_binary(path, bytes, facets);  // What follows is padding.

@@ -53,8 +53,6 @@ Closed closed_for_meshing(MixedMesh surface) {
 /// Rims are openings or holes as they are when meshed, not by what they look like alone.
 void count_rims_as_meshing(const Closed& closed, std::vector<Finding>& findings) {
   const auto count_as = [&](const char* kind, Finding finding, bool is_opening) {
-    finding.count = 0;
-    finding.places_mm.clear();
     for (const surfaces::ClosedRim& rim : closed.rims)
       if (rim.is_opening == is_opening && !rim.was_capped) finding.add(rim.given.centre_mm);
     const auto at = std::ranges::find(findings, kind, &Finding::kind);

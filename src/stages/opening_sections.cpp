@@ -371,13 +371,12 @@ std::vector<std::string> doubts_about_sections(const LabelImage& image, std::spa
   }
   if (!tiny.empty()) doubts.push_back(doubt_of_tiny(tiny));
   for (std::string& doubt : doubts_about_edges(image, openings)) doubts.push_back(std::move(doubt));
-  for (std::string& doubt : doubts_about_shared_outlines(openings)) doubts.push_back(std::move(doubt));
   return doubts;
 }
 
 std::vector<std::string> doubts_about_shapes(const LabelImage& image, const Domain& domain,
                                              std::span<const Opening> openings) {
-  std::vector<std::string> doubts;
+  std::vector<std::string> doubts = doubts_about_shared_outlines(openings);
   std::vector<bool> is_side(openings.size(), false);
   const auto look_at = [&](const BorderSection& section, std::optional<std::size_t> opening) {
     if (opening && side_cut_of(image, domain.cut_planes(), section, openings[*opening]))

@@ -81,8 +81,8 @@ class SurfaceCutter {
     const std::vector<Vec3> tried = cut_ends(
         lines, length, is_end,
         [&](const Vec3& tip, const Vec3& outward, double) {
-          const auto end = std::ranges::find_if(ends, [&](const FlatEnd& e) {
-            return is_at_end(tip, {&e, 1});
+          const auto end = std::ranges::min_element(ends, {}, [&](const FlatEnd& e) {
+            return (tip - e.centre_mm).norm() / circle_radius(e.area_mm2);
           });
           return EndShape{0, end == ends.end() ? 0 : end->area_mm2 * std::abs(end->normal.dot(outward))};
         },

@@ -254,6 +254,7 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
       const EndShape shape = shape_of(end, found.across.normal, found.radius_mm);
       const double min_mm = shape.depth_mm;
       if (min_mm > asked_mm) found = place_before({min_mm});
+      found.end_mm2 = shape.section_mm2;
       found.section_radius_mm =
           std::max(found.radius_mm, circle_radius(kMaxOfEnd / kMaxWideningAtEnds * shape.section_mm2));
       cut(found);
@@ -273,7 +274,8 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
 
 std::string doubt_about_section(const AxisPlace& place, double section_mm2) {
   constexpr double kWide = 1.5;
-  const double radius_mm = place.section_radius_mm, of_vessel = std::numbers::pi * radius_mm * radius_mm;
+  const double of_vessel = std::max(std::numbers::pi * place.radius_mm * place.radius_mm, place.end_mm2);
+  const double radius_mm = circle_radius(of_vessel);
   if (section_mm2 <= kWide * of_vessel) return "";
   return section_text("the cut at " + place_text(place.across.point_mm), section_mm2, of_vessel, radius_mm) +
          "look whether it forks or bulges there";

@@ -24,7 +24,8 @@ struct AxisPlace {
   CutPlane across;  ///< Square to the axis.
   /// Radius of a circle with three quarters of the area of the vessel's end, where that is known and larger:
   /// oval vessels are wider than the ball that fits.
-  double section_radius_mm = 0;
+  double section_radius_mm = 0;  ///< Else radius_mm.
+  double end_mm2 = 0;            ///< Area of the vessel's end across the axis; 0 if it is not known.
 };
 
 /// Axes of the largest piece of an image that planes cut, without what is warned of; none where it is not

@@ -183,8 +183,9 @@ TEST(Touching, AnOvalVesselIsNotTwo) {
     const auto between = [&](double low, double high) {
       return std::uniform_real_distribution<double>(low, high)(random);
     };
-    const double radius = between(3, 7), ratio = between(1.3, 2.5);
-    const Vec3 way = Vec3(between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
+    const double radius = between(4.5, 7), ratio = between(1.3, 2.5);
+    const double x = between(-1, 1), y = between(-1, 1), z = between(-1, 1);
+    const Vec3 way = Vec3(x, y, z).normalized();
     const OvalVessel vessel = {way, way.unitOrthogonal(), radius * std::sqrt(ratio),
                                radius / std::sqrt(ratio), seed % 2 == 0 ? 0.0 : between(-0.08, 0.08)};
     LabelImage image = fixtures::voxels_of(frame_of({56, 56, 56}), {0, 1},

@@ -197,6 +197,13 @@ TEST_F(ImageNotes, WarnsOfSpacingThatIsNotThereOrNotInMillimetres) {
   nrrd.frame = "space: LPS\nspace directions: (0.5, 0, 0) (nan,nan,nan) (0,0,0.5)\n";
   EXPECT_NE(warning("vectors.nrrd", nrrd.with(voxels)).find("voxels along axis 2; taken as 1 mm"),
             std::string::npos);
+  for (const std::string directions : {"(1,0,0)(0,1,0)(0,0,1)", "(1,\t0,0) (0, 1 ,0)(0,0,1)"}) {
+    nrrd.frame = "space: LPS\nspace directions: " + directions + "\n";
+    EXPECT_EQ(warning("packed.nrrd", nrrd.with(voxels)), "");
+  }
+  nrrd.frame = "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace units: \"m\" \"m\" \"m\"\n";
+  nrrd.frame += "units: \"\" \"\" \"\"\n";
+  EXPECT_NE(warning("both.nrrd", nrrd.with(voxels)).find("states, m; is it in mm?"), std::string::npos);
   NrrdText frames{.dimension = "4", .sizes = "3 4 5 1", .frame = "spacings: 1 1 1 nan\n"};
   EXPECT_EQ(warning("time.nrrd", frames.with(voxels)), "");
   NrrdText values{.dimension = "4", .sizes = "1 3 4 5", .frame = "spacings: nan 1 1 1\n"};

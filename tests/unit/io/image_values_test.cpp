@@ -147,6 +147,10 @@ TEST_F(ImageValues, WallsAndSegmentsAreLabels) {
     return static_cast<std::uint8_t>(std::clamp(depth(p, 5.7) + 1.0F, 0.0F, 4.0F));
   });
   EXPECT_EQ(read_cube(walls, "uint8").values(), (std::vector<Label>{0, 1, 2, 3, 4}));
+  const auto around_lumen = cube_of([](const Vec3& p) {  // Of a voxel each.
+    return static_cast<std::uint8_t>(std::clamp(depth(p, 5.7) + 1.0F, 0.0F, 5.0F));
+  });
+  EXPECT_EQ(read_cube(around_lumen, "uint8").values(), (std::vector<Label>{0, 1, 2, 3, 4, 5}));
   const auto segments = cube_of([](const Vec3& p) {  // Of a thin vessel.
     return static_cast<std::uint8_t>(std::hypot(p.x() - 6, p.y() - 6) < 1.5 ? 1 + static_cast<int>(p.z()) / 2
                                                                             : 0);

@@ -17,7 +17,8 @@ namespace {
 template <class LabelAt>
 std::vector<std::string> shared_lines(const LabelAt& label_at) {
   const LabelImage image = fixtures::voxels_of(fixtures::frame_of({50, 50, 30}), {0, 1, 2}, label_at);
-  std::vector<std::string> lines = doubts_about_sections(image, {}, find_openings(ImageDomain(image, {})));
+  const ImageDomain domain(image, {});
+  std::vector<std::string> lines = doubts_about_shapes(image, domain, find_openings(domain));
   std::erase_if(lines, [](const std::string& line) { return line.find("of its outline") == line.npos; });
   return lines;
 }
