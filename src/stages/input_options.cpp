@@ -142,7 +142,8 @@ void ImageSelection::describe(OptionList& list, bool has_probabilities) {
   list.choice(
       "touching", touching,
       {{"keep", TouchChoice::kKeep}, {"separate", TouchChoice::kSeparate}, {"join", TouchChoice::kJoin}},
-      "Vessels side by side that touch, or a voxel apart: stay so, are separated by a layer of voxels, "
+      "Vessels side by side that touch, or a voxel apart: stay so, are separated by a layer of voxels or "
+      "two, "
       "or joined by filling the cleft; lumesh check lists them");
 }
 

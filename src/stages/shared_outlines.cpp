@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "lumesh/core/option.hpp"
@@ -57,7 +58,7 @@ struct SharedOutline {
   const Opening* own = nullptr;
   const Opening* other = nullptr;
   double share = 0;
-  std::size_t others = 0;  ///< Openings that share less.
+  std::set<const Opening*> all;  ///< Openings that share enough to be told.
 };
 
 }  // namespace
@@ -71,7 +72,7 @@ std::vector<std::string> doubts_about_shared_outlines(std::span<const Opening> o
       const double share = shared_outline(own, other);
       if (share <= kMuch) continue;
       SharedOutline& most = of_labels[std::minmax(own.label, other.label)];
-      if (most.own != nullptr) ++most.others;
+      most.all.insert(&own);
       if (share > most.share) most.own = &own, most.other = &other, most.share = share;
     }
   std::vector<std::string> doubts;
@@ -81,7 +82,7 @@ std::vector<std::string> doubts_about_shared_outlines(std::span<const Opening> o
         "there, and have openings both; where one of them is a wall or a thrombus, call its openings so with "
         "{} PATCH=wall_rim_1, or leave it out with {}",
         most.own->name, place_text(most.own->centre_mm), 100 * most.share, most.other->name,
-        most.others > 0 ? fmt::format(" (1 of {} such openings)", most.others + 1) : "", labels.first,
+        most.all.size() > 1 ? fmt::format(" (1 of {} such openings)", most.all.size()) : "", labels.first,
         labels.second, option_name("name"), option_name("labels")));
   return doubts;
 }

@@ -30,7 +30,7 @@ struct LabelFieldOptions;
 /// Treatment of vessels side by side that touch, or are at most a voxel apart.
 enum class TouchChoice : std::uint8_t {
   kKeep,
-  kSeparate,  ///< A layer of voxels between them becomes background.
+  kSeparate,  ///< A layer of voxels or two between them becomes background.
   kJoin,      ///< The cleft between them is filled.
 };
 

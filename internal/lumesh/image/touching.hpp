@@ -37,7 +37,8 @@ struct VoxelsChanged {
   Index3 first = Index3::Zero();  ///< The first in memory.
 };
 
-/// Separates the vessels that touch: a layer of voxels between them becomes background.
+/// Separates the vessels that touch: a layer of voxels between them becomes background, two where they share
+/// a broad area and are not thin.
 VoxelsChanged separate_touching(LabelImage& image);
 /// Joins the vessels that touch or are near. They keep their labels; voxels between them get the label that
 /// most voxels around them have.
