@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <numbers>
 #include <set>
@@ -149,28 +148,9 @@ TEST(SurfaceDomain, FlatSidesBehindWhichTheObjectEndsAreNoEnds) {
   EXPECT_EQ(SurfaceDomain(disc.view()).flat_ends().size(), 2U);
 }
 
-/// The wall of a tube along z, in rows of as many points each, closed by fans around its first corner.
-TriangleSoup tube_of_rows(std::uint32_t around, std::uint32_t rows,
-                          const std::function<Vec3(std::uint32_t row, std::uint32_t i)>& place) {
-  TriangleSoup soup;
-  const auto at = [around](std::uint32_t k, std::uint32_t i) { return k * around + i % around; };
-  for (std::uint32_t k = 0; k < rows; ++k)
-    for (std::uint32_t i = 0; i < around; ++i) soup.points.push_back(place(k, i));
-  for (std::uint32_t k = 0; k + 1 < rows; ++k)
-    for (std::uint32_t i = 0; i < around; ++i) {
-      soup.triangles.push_back({at(k, i), at(k, i + 1), at(k + 1, i)});
-      soup.triangles.push_back({at(k, i + 1), at(k + 1, i + 1), at(k + 1, i)});
-    }
-  for (std::uint32_t i = 1; i + 1 < around; ++i) {
-    soup.triangles.push_back({at(0, 0), at(0, i + 1), at(0, i)});
-    soup.triangles.push_back({at(rows - 1, 0), at(rows - 1, i), at(rows - 1, i + 1)});
-  }
-  return soup;
-}
-
 // Each was an opening without a word, at the side of a tube of few triangles that ends raggedly.
 TEST(SurfaceDomain, FacetsOfTheWallAreNoEnds) {
-  const TriangleSoup tube = tube_of_rows(4, 13, [](std::uint32_t row, std::uint32_t i) {
+  const TriangleSoup tube = fixtures::tube_of_rows(4, 13, [](std::uint32_t row, std::uint32_t i) {
     const std::array<double, 4> rim = {-0.4, 0.03, 0.35, 0.25};
     const double angle = std::numbers::pi / 2 * (i + 0.5 * row);
     return Vec3(std::cos(angle), std::sin(angle), row == 0 ? rim[i] : 20 * row / 12.0);
@@ -182,7 +162,7 @@ TEST(SurfaceDomain, FacetsOfTheWallAreNoEnds) {
 }
 
 TEST(SurfaceDomain, AFlatStepOfTheWallIsNoEnd) {
-  const TriangleSoup tube = tube_of_rows(128, 101, [](std::uint32_t row, std::uint32_t i) {
+  const TriangleSoup tube = fixtures::tube_of_rows(128, 101, [](std::uint32_t row, std::uint32_t i) {
     const double angle = 2 * std::numbers::pi * i / 128, x = 2 * std::cos(angle), y = 2 * std::sin(angle),
                  z = 8 * row / 100.0;
     return Vec3(x > 0 && std::hypot(y, z - 4) < 0.5 ? 2.1 : x, y, z);

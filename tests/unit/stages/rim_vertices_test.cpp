@@ -68,27 +68,14 @@ TEST(RimVertices, TheLatticeKeepsThemOnTheSection) {
 /// A tube of radius 2 along z, whose ends are hollow by 4 % of that.
 fixtures::TriangleSoup tube_with_hollow_ends() {
   constexpr std::uint32_t kAround = 40, kRings = 8, kRows = 2 * kRings + 41;
-  fixtures::TriangleSoup soup;
-  for (std::uint32_t k = 0; k < kRows; ++k)
-    for (std::uint32_t i = 0; i < kAround; ++i) {
-      const std::uint32_t from_end = std::min(k, kRows - 1 - k);
-      const double r = from_end < kRings ? 2.0 * (from_end + 0.5) / (kRings + 0.5) : 2;
-      const double depth = 0.08 * (1 - r * r / 4);
-      const double z = k < kRings ? depth : k >= kRows - kRings ? 20 - depth : 0.5 * (k - kRings);
-      const double angle = 2 * std::numbers::pi * i / kAround;
-      soup.points.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
-    }
-  const auto at = [](std::uint32_t k, std::uint32_t i) { return k * kAround + i % kAround; };
-  for (std::uint32_t k = 0; k + 1 < kRows; ++k)
-    for (std::uint32_t i = 0; i < kAround; ++i) {
-      soup.triangles.push_back({at(k, i), at(k, i + 1), at(k + 1, i)});
-      soup.triangles.push_back({at(k, i + 1), at(k + 1, i + 1), at(k + 1, i)});
-    }
-  for (std::uint32_t i = 1; i + 1 < kAround; ++i) {
-    soup.triangles.push_back({at(0, 0), at(0, i + 1), at(0, i)});
-    soup.triangles.push_back({at(kRows - 1, 0), at(kRows - 1, i), at(kRows - 1, i + 1)});
-  }
-  return soup;
+  return fixtures::tube_of_rows(kAround, kRows, [](std::uint32_t k, std::uint32_t i) {
+    const std::uint32_t from_end = std::min(k, kRows - 1 - k);
+    const double r = from_end < kRings ? 2.0 * (from_end + 0.5) / (kRings + 0.5) : 2;
+    const double depth = 0.08 * (1 - r * r / 4);
+    const double z = k < kRings ? depth : k >= kRows - kRings ? 20 - depth : 0.5 * (k - kRings);
+    const double angle = 2 * std::numbers::pi * i / kAround;
+    return Vec3(r * std::cos(angle), r * std::sin(angle), z);
+  });
 }
 
 /// The surface's own vertices were 1.7 mm off their section, in voxels that it does not have.
