@@ -73,9 +73,8 @@ struct NoneTaker {
     return true;
   }
   bool operator()(const OptionRows& rows) const {
-    const bool is_always_there = rows.is_single && rows.least == 0;  // As the size of a phantom.
-    if (!is_always_there) rows.set({});
-    return !is_always_there;
+    if (rows.may_be_none) rows.set({});
+    return rows.may_be_none;
   }
   bool operator()(const OptionLabelledFiles& labelled) const {
     labelled.files->clear();

@@ -98,8 +98,12 @@ Parts turn_parts_alike(ClosedSurface& surface) {
 void turn_outwards(ClosedSurface& surface) {
   const Parts parts = turn_parts_alike(surface);
   const std::vector<Shell> shells = shells_of(surface.points, surface.triangles, parts);
+  const auto is_flat = [](const Shell& shell) { return shell.volume_mm3 == 0; };
+  if (std::ranges::all_of(shells, is_flat))
+    throw_bad_surface("the surface is flat and encloses nothing, such as at " +
+                      coordinates_text(shells.front().place_mm) + " mm");
   for (const Shell& shell : shells)
-    if (shell.volume_mm3 == 0)
+    if (is_flat(shell))
       throw_bad_surface("the surface encloses nothing at " + coordinates_text(shell.place_mm) +
                         " mm: a flat part by itself is there, such as a cap whose rim does not match the "
                         "wall's; repair it first (`lumesh repair`)");

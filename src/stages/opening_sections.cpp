@@ -139,13 +139,6 @@ struct Voxels {
   [[nodiscard]] bool is_tiny() const { return area_mm2 < kFewFaces * face_mm2; }
 };
 
-/// Whether the sections' planes are one but for half a voxel and the normals' rounding; openings of one cut
-/// plane are told by are_in_one_plane() of the domain.
-bool are_nearly_coplanar(const Opening& a, const Opening& b) {
-  return a.normal.dot(b.normal) > kAlike &&
-         std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) < 0.5 * std::min(a.voxel_mm, b.voxel_mm);
-}
-
 /// Whether a section is that of a wall whose lumen is background: what other labels have of its hole is no
 /// hole.
 bool is_hollow_of_background(const Opening& opening, std::span<const Opening> openings) {

@@ -48,6 +48,26 @@ struct RimmedPatch {
   }
 };
 
+/// How far a vertex of a rim is from where it should be.
+struct OffRim {
+  double mm = 0;             ///< No more than a quarter of the resolution too small; 0: near enough.
+  bool is_more_yet = false;  ///< Nothing was found so far around it.
+};
+
+/// The first distance for which is_there(distance) is true, from one that is near enough on.
+template <class IsThere>
+OffRim search_from(double enough_mm, double resolution_mm, const IsThere& is_there) {
+  constexpr double kStep = 0.25;  // Of the resolution.
+  constexpr int kSteps = 40;
+  double off_mm = enough_mm;
+  for (int step = 0; step < kSteps; ++step) {
+    const double next_mm = off_mm + kStep * resolution_mm;
+    if (is_there(next_mm)) return {off_mm, false};
+    off_mm = next_mm;
+  }
+  return {off_mm, true};
+}
+
 /// Looks at a domain from places of a plane.
 class RimPlane {
  public:
@@ -55,20 +75,12 @@ class RimPlane {
   RimPlane(const Domain& domain, Label label, const Vec3& normal)
       : domain_(domain), label_(label), normal_(normal), first_(normal.unitOrthogonal()) {}
 
-  /// Distance from a place to where the label ends, no more than a quarter of the resolution too small; 0 if
-  /// that is not more than `enough_mm`.
-  [[nodiscard]] double off_mm(const Vec3& place, double enough_mm) const {
-    constexpr double kStep = 0.25;  // Of the resolution.
-    constexpr int kSteps = 40;
+  /// Distance from a place to where the label ends.
+  [[nodiscard]] OffRim off(const Vec3& place, double enough_mm) const {
     const bool is_inside = holds(place);
-    if (changes_at(place, enough_mm, is_inside) || changes_at(place, 0.5 * enough_mm, is_inside)) return 0;
-    double off_mm = enough_mm;
-    for (int step = 0; step < kSteps; ++step) {
-      const double next_mm = off_mm + kStep * domain_.resolution_mm();
-      if (changes_at(place, next_mm, is_inside)) break;
-      off_mm = next_mm;
-    }
-    return off_mm;
+    if (changes_at(place, enough_mm, is_inside) || changes_at(place, 0.5 * enough_mm, is_inside)) return {};
+    return search_from(enough_mm, domain_.resolution_mm(),
+                       [&](double radius_mm) { return changes_at(place, radius_mm, is_inside); });
   }
 
  private:
@@ -94,23 +106,18 @@ class RimPlane {
   Vec3 normal_, first_;
 };
 
-/// Distance from a vertex of a rim to where an end of a surface meets what is beside it, no more than a
-/// quarter of the resolution too small; 0 if that is not more than `enough_mm`. Flat ends need not be planar,
-/// so that the plane of the mesh's may run beside them.
-double off_end_mm(const Domain& domain, Label label, const Vec3& place, double enough_mm) {
-  constexpr double kStep = 0.25;  // Of the resolution.
-  constexpr int kSteps = 40;
-  double off_mm = enough_mm;
-  for (int step = 0; step < kSteps; ++step) {
+/// Distance from a vertex of a rim to where an end of a surface meets what is beside it. Flat ends need not
+/// be planar, so that the plane of the mesh's may run beside them.
+OffRim off_end(const Domain& domain, Label label, const Vec3& place, double enough_mm) {
+  const auto is_rim_within = [&](double reach_mm) {
     std::size_t openings = 0, beside = 0;
-    for (const Material m : domain.materials_near(place, off_mm)) {
+    for (const Material m : domain.materials_near(place, reach_mm)) {
       if (domain.label_of(m) == label) continue;
       (domain.is_beyond_opening(m) ? openings : beside) += 1;
     }
-    if (openings > 0 && openings + beside > 1) return step == 0 ? 0 : off_mm;
-    off_mm += kStep * domain.resolution_mm();
-  }
-  return off_mm;
+    return openings > 0 && openings + beside > 1;
+  };
+  return is_rim_within(enough_mm) ? OffRim{} : search_from(enough_mm, domain.resolution_mm(), is_rim_within);
 }
 
 /// The line of a patch; empty if all of its rim is where the vessel ends.
@@ -119,27 +126,28 @@ std::string note_on(const Patch& patch, const RimmedPatch& triangles, std::span<
   constexpr double kOff = 0.5;  // Resolutions.
   const RimPlane view(domain, patch.labels[0], triangles.sum.normal.normalized());
   const double radius_mm = circle_radius(triangles.sum.area);
-  const bool is_of_surface = domain.cut_planes().empty();
+  const bool is_plane = !domain.cut_planes().empty();
   std::size_t count = 0;
-  double worst_mm = 0;
+  OffRim worst;
   Vec3 place = Vec3::Zero();
   for (const auto& [v, edge_mm] : triangles.rim(points, of_label)) {
     const double lift_mm = edge_mm * edge_mm / (8 * radius_mm);  // What an edge cuts off a circle.
     const double enough_mm = kOff * domain.resolution_mm() + lift_mm;
-    const double off_mm = is_of_surface ? off_end_mm(domain, patch.labels[0], points[v], enough_mm)
-                                        : view.off_mm(points[v], enough_mm);
-    if (off_mm == 0) continue;
+    const OffRim off =
+        is_plane ? view.off(points[v], enough_mm) : off_end(domain, patch.labels[0], points[v], enough_mm);
+    if (off.mm == 0) continue;
     ++count;
-    if (off_mm <= worst_mm) continue;
-    worst_mm = off_mm;
+    if (off.mm <= worst.mm) continue;
+    worst = off;
     place = points[v];
   }
   if (count == 0) return "";
   return fmt::format(
-      "the rim of {} leaves the vessel's section at {}: {:.2g} mm off it, {:.1f} {}{}; another `edge_length` "
+      "the rim of {} leaves the vessel's section at {}: {}{:.2g} mm off it, {:.1f} {}{}; another "
+      "`edge_length` "
       "may help",
-      patch.name, place_text(place), worst_mm, worst_mm / domain.resolution_mm(),
-      is_of_surface ? "edges of the surface" : "voxels",
+      patch.name, place_text(place), worst.is_more_yet ? "more than " : "", worst.mm,
+      worst.mm / domain.resolution_mm(), is_plane ? "voxels" : "edges of the surface",
       count == 1 ? "" : fmt::format(", the worst of {}", counted(count, "vertices", "vertices")));
 }
 

@@ -25,11 +25,8 @@ bool may_be_told(const Opening& opening) {
 
 /// Whether two openings of different labels are in one plane, and near enough to touch.
 bool may_share(const Opening& a, const Opening& b) {
-  constexpr double kAlike = 0.999;  // Cosine between normals of one direction.
-  const double voxel_mm = std::min(a.voxel_mm, b.voxel_mm);
-  return a.label != b.label && a.normal.dot(b.normal) > kAlike &&
-         std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) < 0.5 * voxel_mm &&
-         a.box_mm.exteriorDistance(b.box_mm) < voxel_mm;
+  return a.label != b.label && are_nearly_coplanar(a, b) &&
+         a.box_mm.exteriorDistance(b.box_mm) < std::min(a.voxel_mm, b.voxel_mm);
 }
 
 /// Share of the outline of an opening, in edges of its squares, that has another opening behind it.
@@ -62,6 +59,12 @@ struct SharedOutline {
 };
 
 }  // namespace
+
+bool are_nearly_coplanar(const Opening& a, const Opening& b) {
+  constexpr double kAlike = 0.999;  // Cosine between normals of one direction.
+  return a.normal.dot(b.normal) > kAlike &&
+         std::abs(a.normal.dot(b.centre_mm - a.centre_mm)) < 0.5 * std::min(a.voxel_mm, b.voxel_mm);
+}
 
 std::vector<std::string> doubts_about_shared_outlines(std::span<const Opening> openings) {
   constexpr double kMuch = 1.0 / 3;

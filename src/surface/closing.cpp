@@ -80,9 +80,7 @@ class Closer {
     const double gap_mm = gap_of_torn_corners(surface_);
     if (!(gap_mm > 0)) throw Error(ErrorKind::kBadInput, all + ": they enclose nothing");
     throw Error(ErrorKind::kBadInput,
-                fmt::format("{}: their corners lie up to about {:.2g} mm from those of others, too far to be "
-                            "joined; join points within {:.2g} mm in the program that wrote them",
-                            all, gap_mm, gap_mm));
+                all + ": " + torn_corners_text(gap_mm) + "; " + torn_corners_remedy(gap_mm));
   }
 
   static constexpr std::size_t kNone = ~std::size_t{0};

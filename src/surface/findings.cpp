@@ -105,11 +105,8 @@ class SurfaceCheck {
     Finding loose =
         remark("loose_triangles", "triangles that hang at corners only; they are left out when meshed");
     if (const double gap = gap_of_torn_corners(surface_); gap > 0) {
-      loose = fault("torn_corners",
-                    fmt::format("triangles without neighbours: their corners lie up to about {:.2g} mm from "
-                                "those of others, too far to be joined",
-                                gap));
-      loose.remedy = fmt::format("join points within {:.2g} mm in the program that wrote them", gap);
+      loose = fault("torn_corners", "triangles without neighbours: " + torn_corners_text(gap));
+      loose.remedy = torn_corners_remedy(gap);
     }
     const std::vector<std::uint32_t> triangles = loose_triangles(surface_);
     for (const std::uint32_t t : triangles) loose.add(middle_of(t));

@@ -1,5 +1,7 @@
 #include "torn_corners.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -91,6 +93,16 @@ double join_torn_corners(std::vector<Vec3>& points, std::span<const Cell<3>> tri
   return farthest;
 }
 
+namespace {
+
+/// Two digits of it, not less than it is.
+std::string rounded_up(double gap_mm) {
+  const double unit = std::pow(10.0, std::floor(std::log10(gap_mm)) - 1);
+  return fmt::format("{:.2g}", unit * std::ceil(gap_mm / unit));
+}
+
+}  // namespace
+
 double gap_of_torn_corners(const TriangleMesh& welded) {
   if (welded.triangles.empty() || !is_torn(welded.points.size(), welded.triangles.size())) return 0;
   std::vector<std::uint32_t> numbers = points_used(welded.points, welded.triangles);
@@ -102,6 +114,15 @@ double gap_of_torn_corners(const TriangleMesh& welded) {
     if (places < welded.triangles.size()) return width;
   }
   return 0;
+}
+
+std::string torn_corners_text(double gap_mm) {
+  return fmt::format("their corners lie up to about {} mm from those of others, too far to be joined",
+                     rounded_up(gap_mm));
+}
+
+std::string torn_corners_remedy(double gap_mm) {
+  return fmt::format("join points within {} mm in the program that wrote them", rounded_up(gap_mm));
 }
 
 }  // namespace lumesh::surfaces

@@ -92,6 +92,7 @@ class CheckTest(ProgramTest):
         flat.write_text("OFF\n4 4 0\n0 0 0\n1e-200 0 0\n0 1e-200 0\n0 0 1e-200\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
         found = self.check(flat, NOT_REACHED)
         self.assertIn("encloses nothing", found["refused"]["text"])
+        self.assertNotIn("repair", found["refused"]["text"])  # That refuses it, too.
         self.assert_refused(self.run_lumesh("delaunay", flat, "-o", mesh), BAD_INPUT, "encloses nothing")
 
     def test_a_stray_triangle_is_told_and_left_out(self):

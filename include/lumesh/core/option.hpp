@@ -98,6 +98,7 @@ struct OptionRows {
   std::function<void(const std::vector<std::vector<double>>&)> set;
   std::size_t least = 0;  ///< Numbers that a row has to have, which is none that a number fills; 0: width.
   std::string placeholder = "X,Y,Z";
+  bool may_be_none = true;  ///< False where there always is a row, as the size of a phantom.
 
   [[nodiscard]] bool takes(std::size_t count) const {
     return count <= width && count >= (least > 0 ? least : width);

@@ -65,6 +65,24 @@ TEST(RimVertices, TheLatticeKeepsThemOnTheSection) {
   })) << (told.empty() ? "nothing" : told.front());
 }
 
+/// Past ten voxels no rim is looked for, and none is said to be there.
+TEST(RimVertices, FarFromAnyAreToldAsFarther) {
+  Context context;
+  const LabelImage image = oblique_tube();
+  const ImageDomain domain(image, {});
+  MixedMesh mesh = mesh_lattice(image, domain, {}, context).mesh;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (mesh.info.patches[static_cast<std::size_t>(mesh.triangle_patches[t])].name == "outlet_1") {
+      mesh.points[mesh.triangles[t][0]].x() += 40;  // Out of the image, within the plane.
+      mesh.points[mesh.triangles[t][1]].x() += 40;
+      break;
+    }
+  const std::vector<std::string> told = warnings_on_openings(mesh, domain);
+  EXPECT_TRUE(std::ranges::any_of(told, [](const std::string& line) {
+    return line.find("the rim of outlet_1 leaves") == 0 && line.find("mm: more than ") != std::string::npos;
+  })) << (told.empty() ? "nothing" : told.front());
+}
+
 /// A tube of radius 2 along z, whose ends are hollow by 4 % of that.
 fixtures::TriangleSoup tube_with_hollow_ends() {
   constexpr std::uint32_t kAround = 40, kRings = 8, kRows = 2 * kRings + 41;
