@@ -174,7 +174,7 @@ std::string doubt_of_side(const Opening& opening, const SideCut& cut) {
                   : fmt::format("shrinks to {:.0f} %", 100 * cut.share),
       cut.depth_mm,
       cut.grows() ? "the side of a bend or a sac, or a mouth"
-                  : "a vessel along its length, or beside a throat",
+                  : "through a sac, a vessel along its length, or before a throat",
       option_name("cut_at"), option_name("clip_ends"));
 }
 

@@ -12,8 +12,9 @@
 namespace lumesh {
 namespace {
 
-constexpr double kGrowthDepth = 0.35, kEndDepth = 1.05;  // In radii of the circle of the section's area.
-constexpr double kMostGrowth = 1.4, kLeastLeft = 0.2;
+// In radii of the circle of the section's area.
+constexpr double kGrowthDepth = 0.35, kEndDepth = 1.05, kThroatDepth = 2.05;
+constexpr double kMostGrowth = 1.4, kLeastLeft = 0.2, kLeastBeforeThroat = 0.5;
 constexpr double kMinRadius = 2;           // Voxels.
 constexpr std::size_t kMostOfSection = 8;  // Areas beyond this many of the section's are tissue, no vessel.
 constexpr double kDeviations = 2.5;
@@ -65,6 +66,20 @@ class LayersBehind {
     return static_cast<std::size_t>(
         std::ranges::count_if(squares_, [&](std::size_t square) { return is_object(square, 0); }));
   }
+  /// Whether the squares lie together as in a disc, or an ellipse of which one axis is twice as long.
+  [[nodiscard]] bool are_compact() const {
+    constexpr double kMostSpread = 1.3;  // Of the mean squared distance from the middle; a disc has 1.
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    double squared = 0;
+    for (const std::size_t square : squares_) {
+      const Eigen::Vector2d place_mm = this->place_mm(square);
+      sum += place_mm;
+      squared += place_mm.squaredNorm();
+    }
+    const auto count = static_cast<double>(squares_.size());
+    const double spread_mm2 = squared / count - (sum / count).squaredNorm();
+    return spread_mm2 * 2 * std::numbers::pi < kMostSpread * count * square_mm2();
+  }
   void go_on() {
     const std::vector<std::size_t> before = std::move(squares_);
     for (const std::size_t square : before) is_in_[square] = 0;
@@ -74,6 +89,10 @@ class LayersBehind {
   }
 
  private:
+  [[nodiscard]] Eigen::Vector2d place_mm(std::size_t square) const {
+    return {static_cast<double>(square % grid_.columns) * image_.frame().spacing_mm[grid_.u],
+            static_cast<double>(square / grid_.columns) * image_.frame().spacing_mm[grid_.v]};
+  }
   [[nodiscard]] bool is_object(std::size_t square, int layer) const {
     return image_.at(grid_.voxel(square, layer)) != 0;
   }
@@ -110,17 +129,25 @@ std::optional<SideCut> find_side_cut(const LabelImage& image, std::span<const Cu
   const double edges =
                    std::max(static_cast<double>(section.edge_count), 8 * std::sqrt(area / std::numbers::pi)),
                chance = kDeviations * std::sqrt(2.0) * deviation_of_count(edges);
-  double depth_mm = 0;
-  while (depth_mm < kEndDepth * radius_mm && layers.has_next()) {
+  double depth_mm = 0, largest = area;
+  bool may_be_sac = true;
+  const auto end_mm = [&] {
+    return may_be_sac ? kThroatDepth * std::sqrt(largest / area) * radius_mm : kEndDepth * radius_mm;
+  };
+  while (depth_mm < end_mm() && layers.has_next()) {
     layers.go_on();
     if (layers.are_cut()) return std::nullopt;
     depth_mm += layers.step_mm();
     const auto now = static_cast<double>(layers.area());
     const bool is_near = depth_mm <= std::max(kGrowthDepth * radius_mm, layers.step_mm());
     const double of_all = std::max(area, static_cast<double>(layers.area_at_border()));
-    if (is_near && other_faces == 0 && now - chance > kMostGrowth * of_all)
-      return SideCut{depth_mm, now / of_all};
+    const bool has_grown = now - chance > kMostGrowth * of_all;
+    if (is_near && other_faces == 0 && has_grown) return SideCut{depth_mm, now / of_all};
     if (layers.is_of_tissue()) return std::nullopt;
+    // Vessels that turn grow along themselves, and those that leave through another face shrink there.
+    may_be_sac = may_be_sac && layers.count_other_faces() == 0 && (!has_grown || layers.are_compact());
+    largest = std::max(largest, now);
+    if (may_be_sac && now + chance < kLeastBeforeThroat * largest) return SideCut{depth_mm, now / largest};
     if (now + chance < kLeastLeft * area) return SideCut{depth_mm, now / area};
   }
   return std::nullopt;

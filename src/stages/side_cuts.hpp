@@ -11,7 +11,7 @@ namespace lumesh {
 /// How the object goes on behind a section.
 struct SideCut {
   double depth_mm = 0;  ///< Up to which it was followed.
-  double share = 0;     ///< Its area there, at least, over that at the border.
+  double share = 0;     ///< Its area there over that at the border, or over its largest where it shrinks.
 
   [[nodiscard]] bool grows() const { return share > 1; }
 };
@@ -19,10 +19,12 @@ struct SideCut {
 /// Follows the object, all labels alike, from a section into the image, parallel to the border. A vessel
 /// keeps its section over a radius (of the circle of the same area), whatever the angle it leaves at; a
 /// vessel that the border cuts along its length ends within that, and what is cut off the side of a bend or a
-/// sac, or a vessel where it joins a wider one, grows within 0.35 of it, or a voxel. None where neither is
-/// so, where voxels are too few to tell, where a cut plane leaves out what is followed, and for tissue, which
-/// reaches all faces of the image around it or is more than eight times as large as the section. Cost: up to
-/// eight times the voxels of the section, a radius deep.
+/// sac, or a vessel where it joins a wider one, grows within 0.35 of it, or a voxel. A sac that is cut
+/// through shrinks to less than half of its largest section within the diameter of that, as long as no layer
+/// reaches another face of the image or is as long as a vessel that turns. None where neither is so, where
+/// voxels are too few to tell, where a cut plane leaves out what is followed, and for tissue, which reaches
+/// all faces of the image around it or is more than eight times as large as the section. Cost: up to eight
+/// times the voxels of the section, six radii deep.
 [[nodiscard]] std::optional<SideCut> find_side_cut(const LabelImage& image, std::span<const CutPlane> cuts,
                                                    const BorderSection& section);
 

@@ -106,6 +106,42 @@ TEST(OpeningSections, SidesOfBendsAndSacsInTheBorderAreTold) {
   EXPECT_TRUE(is_told(sac, "the side of a bend or a sac"));
 }
 
+/// A sac of 10 voxels in radius above a vessel, with a neck of 4, which the border cuts through.
+TEST(OpeningSections, SacsThatTheBorderCutsThroughAreNoEnds) {
+  for (const double height : {-2.0, 0.0, 3.0, 6.0}) {
+    const Vec3 middle(30.2, 29.7, 59.5 - height);
+    const LabelImage sac = fixtures::voxels_of(fixtures::frame_of({60, 60, 60}), {0, 1}, [&](const Vec3& p) {
+      const bool is_neck = std::hypot(p.x() - middle.x(), p.y() - middle.y()) < 4 &&
+                           p.z() > middle.z() - 16 && p.z() < middle.z();
+      const bool is_vessel = std::hypot(p.y() - middle.y(), p.z() - middle.z() + 17) < 5;
+      return is_neck || is_vessel || (p - middle).norm() < 10 ? 1 : 0;
+    });
+    EXPECT_TRUE(is_told(sac, "through a sac")) << height;
+  }
+}
+
+/// Vessels that turn parallel to the border right behind it, and throats of 60 % of the area.
+TEST(OpeningSections, VesselsThatTurnOrNarrowBehindTheBorderAreNoSacs) {
+  for (const double bend : {7.0, 9.0, 12.0}) {  // Radius of the axis; the vessel's is 5.
+    const LabelImage turning =
+        fixtures::voxels_of(fixtures::frame_of({60, 60, 60}), {0, 1}, [&](const Vec3& p) {
+          const Vec3 off = p - Vec3(20.2, 29.7, 59.5);
+          const bool is_bend =
+              off.x() < bend && std::hypot(std::hypot(off.x() - bend, off.z()) - bend, off.y()) < 5;
+          return is_bend || (off.x() >= bend && std::hypot(off.z() + bend, off.y()) < 5) ? 1 : 0;
+        });
+    EXPECT_FALSE(is_told(turning, "what lies behind it")) << bend;
+  }
+  for (const double place : {4.0, 8.0, 12.0}) {
+    const LabelImage throat =
+        fixtures::voxels_of(fixtures::frame_of({60, 40, 40}), {0, 1}, [&](const Vec3& p) {
+          const double t = (p.x() - place) / 4, r = 6 * (1 - 0.22 * std::exp(-t * t));
+          return std::hypot(p.y() - 19.7, p.z() - 18.2) < r ? 1 : 0;
+        });
+    EXPECT_FALSE(is_told(throat, "what lies behind it")) << place;
+  }
+}
+
 /// A half ring that grazes the border: how its section changes there is nothing that clipping ends would
 /// mend.
 TEST(OpeningSections, AreasOfSidesAreNotDoubtedBesides) {
