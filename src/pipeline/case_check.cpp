@@ -63,6 +63,20 @@ void require_one_mesher(const Case& c) {
         is_lattice ? "lattice" : "delaunay"));
 }
 
+/// Refuses a key before the first section together with one of the mesher's section that it stands for.
+void require_one_size(const Case& c) {
+  const auto require_one = [](bool has_first, const char* first, bool has_own, const char* own) {
+    if (has_first && has_own)
+      throw_bad_case(fmt::format("{} and {} exclude each other; give one of them", first, own));
+  };
+  const bool has_edge = c.edge_length_mm > 0;
+  require_one(has_edge, "edge_length", c.lattice.spacing_mm > 0, "[lattice] edge_length");
+  require_one(has_edge, "edge_length", c.delaunay.delaunay.edge_length_mm > 0, "[delaunay] edge_length");
+  require_one(has_edge, "edge_length", c.delaunay.delaunay.delta_mm > 0, "[delaunay] delta");
+  require_one(c.cells_per_diameter > 0, "cells_per_diameter", c.lattice.fidelity != LatticeOptions().fidelity,
+              "[lattice] fidelity");
+}
+
 /// Names of the keys of a section that a file or the command line gives, but for those whose value is the
 /// default: case_text() writes all.
 std::set<std::string> given_in(const CaseSection& section, const CaseSection& defaults,
@@ -204,6 +218,7 @@ void check_case(const Case& c, const std::set<std::string>& given) {
   check_input(c);
   check_given(c, given);
   require_one_mesher(c);
+  require_one_size(c);
   check_section("lattice", [&] { c.lattice.validate(); });
   check_section("delaunay", [&] { c.delaunay.validate(); });
   check_section("centerline", [&] { c.centerline.options.validate(); });

@@ -142,6 +142,14 @@ TEST_F(CaseFile, RefusesWhatContradictsItself) {
     EXPECT_EQ(refusal(text).substr(0, 7), "a.toml:") << text;
   EXPECT_EQ(refusal("[input]\nimage = \"a.nrrd\"\nthreshold = 1\nbelow = 2\n"),
             "a.toml: [input] threshold and below exclude each other; give one of them");
+  for (const char* own : {"[delaunay] delta", "[delaunay] edge_length", "[lattice] edge_length"}) {
+    const std::string section(own, std::string_view(own).find(']') + 1), key(own + section.size() + 1);
+    const std::string mesher = section == "[lattice]" ? "mesher = \"lattice\"\n" : "";
+    EXPECT_EQ(refusal("edge_length = 0.5\n" + mesher + head + section + "\n" + key + " = 0.6\n"),
+              std::string("a.toml: edge_length and ") + own + " exclude each other; give one of them");
+  }
+  EXPECT_EQ(refusal("cells_per_diameter = 8\nmesher = \"lattice\"\n" + head + "[lattice]\nfidelity = 0.9\n"),
+            "a.toml: cells_per_diameter and [lattice] fidelity exclude each other; give one of them");
 }
 
 /// Whatever stands in a file: a case, or one line.
