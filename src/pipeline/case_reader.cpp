@@ -156,6 +156,24 @@ class CaseReader {
       throw_bad_entry(key, node, fmt::format("must be {}", wanted));
     return *array;
   }
+  /// One row of numbers, as a list or, as on the command line, as a text.
+  [[nodiscard]] std::vector<double> row_of(const Key& key, const toml::node& node, const OptionRows& rows,
+                                           const std::string& wanted) const {
+    std::vector<double> row;
+    if (node.is_string())
+      row = rows.row_from(*node.value<std::string>()).value_or(row);
+    else
+      for (const toml::node& number : array_of(key, node, 0, wanted)) row.push_back(number_of(key, number));
+    if (!rows.takes(row.size())) throw_bad_entry(key, node, fmt::format("must be {}", wanted));
+    for (const double number : row)
+      if (const std::string complaint = key.option.complaint(number); !complaint.empty())
+        throw_bad_entry(key, node, complaint);
+    return row;
+  }
+  static bool is_one_row(const toml::node& node) {
+    const toml::array* const array = node.as_array();
+    return node.is_string() || (array != nullptr && !array->empty() && array->front().is_number());
+  }
 
   template <class Set>
   void set_or_throw(const Key& key, const toml::node& node, const Set& set) const {
@@ -228,19 +246,16 @@ class CaseReader {
   void set(const Key& key, const toml::node& node, const OptionRows& rows) const {
     std::vector<std::vector<double>> values;
     const std::string width = rows.width_text();
-    const auto row_of = [&](const toml::node& item, const std::string& wanted) {
-      std::vector<double>& row = values.emplace_back();
-      for (const toml::node& number : array_of(key, item, 0, wanted)) row.push_back(number_of(key, number));
-      if (!rows.takes(row.size())) throw_bad_entry(key, item, fmt::format("must be {}", wanted));
-    };
+    const std::string wanted =
+        rows.is_single ? fmt::format("a number, or {}, such as [{}]", width, rows.example)
+                       : fmt::format("a list of lists of {}, such as [[{}]]", width, rows.example);
     if (rows.is_single && node.is_number())
       values.emplace_back(rows.least > 0 ? rows.least : rows.width, number_of(key, node));
-    else if (rows.is_single)
-      row_of(node, fmt::format("a number, or {}, such as [{}]", width, rows.example));
+    else if (rows.is_single || is_one_row(node))
+      values.push_back(row_of(key, node, rows, wanted));
     else
-      for (const toml::node& item :
-           array_of(key, node, 0, fmt::format("a list of lists of {}, such as [[{}]]", width, rows.example)))
-        row_of(item, fmt::format("a list of lists of {}, such as [[{}]]", width, rows.example));
+      for (const toml::node& item : array_of(key, node, 0, wanted))
+        values.push_back(row_of(key, item, rows, wanted));
     set_or_throw(key, node, [&] { rows.set(values); });
   }
   void set(const Key& key, const toml::node& node, const OptionParsed& parsed) const {

@@ -273,6 +273,20 @@ time_limit = 5
   EXPECT_NE(refusal(text, {"adapt.boundary=none"}).find("must be one of"), std::string::npos);
 }
 
+/// As warnings write a place: "cut it square with [input] cut_at 1,-2.5,0.1".
+TEST_F(CaseFile, OneRowOfNumbersIsAListOrATextByItself) {
+  const std::string head = "[input]\nphantom = \"torus\"\n";
+  const std::vector<Vec3> place = {{1, -2.5, 0.1}};
+  for (const char* row : {"[[1, -2.5, 0.1]]", "[1, -2.5, 0.1]", "\"1,-2.5,0.1\"", "[\"1,-2.5,0.1\"]"})
+    EXPECT_EQ(read(head + "cut_at = " + row + "\n").input.cuts.places_mm, place) << row;
+  EXPECT_EQ(read(head, {"input.cut_at=1,-2.5,0.1"}).input.cuts.places_mm, place);
+  EXPECT_EQ(read(head + "phantom_spacing = \"1,2,3\"\n").input.phantom_spec.spacing_mm, Vec3(1, 2, 3));
+  for (const char* row : {"[1, -2.5]", "\"1,-2.5\"", "\"1,-2.5,far\"", "[1, -2.5, [0.1]]"})
+    EXPECT_EQ(refusal(head + "cut_at = " + row + "\n").substr(0, 24), "a.toml:3: [input] cut_at") << row;
+  EXPECT_EQ(refusal(head + "phantom_spacing = \"1,-2,3\"\n"),
+            "a.toml:3: [input] phantom_spacing must be greater than 0, or 0, not -2");
+}
+
 TEST_F(CaseFile, TheTextOfACaseReadsAsTheSameCase) {
   const Case c = read(R"([input]
 image = 'an image.nrrd'
