@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "lumesh/core/counted.hpp"
@@ -11,6 +12,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_cuts.hpp"
@@ -224,12 +226,16 @@ std::string walled_ends_warning(const MixedMesh& mesh) {
     extract_boundary(with_faces);
     return with_faces.triangles.empty() ? "" : walled_ends_warning(with_faces);
   }
+  // Files that do not say what a patch is have walls between labels, too.
+  std::optional<CellSides> sides;
+  if (mesh.view().cell_count() > 0) sides.emplace(mesh.view());
   MixedMesh outside;
   outside.points = mesh.points;
   outside.info.patches = patches;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto p = static_cast<std::size_t>(mesh.triangle_patches[t]);
     if (p >= patches.size() || patches[p].kind != PatchKind::kWall) continue;
+    if (sides && sides->find(face_of(mesh.triangles[t])).size() > 1) continue;
     outside.triangles.push_back(mesh.triangles[t]);
     outside.triangle_patches.push_back(mesh.triangle_patches[t]);
   }

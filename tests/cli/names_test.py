@@ -9,6 +9,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import shutil
 import sys
 import tempfile
@@ -22,6 +23,7 @@ import patch_files
 if not patch_files.HAS_HDF5 and os.path.realpath(sys.executable) != os.path.realpath(DEBIAN_PYTHON) and os.access(DEBIAN_PYTHON, os.X_OK):
     os.execv(DEBIAN_PYTHON, [DEBIAN_PYTHON, *sys.argv])
 
+import nrrd
 from cube import write_sol
 from program import ProgramTest
 
@@ -316,6 +318,18 @@ class NamesTest(ProgramTest):
         self.assertEqual(kinds, {"aorta": "wall", "in": "inlet", "out": "outlet"})
         for command in (("convert", named, self.folder / "case.foam"), ("info", named), ("info", self.inputs / "volume.msh")):
             self.assertNotIn("count as wall", self.run_well(*command).stderr)
+
+    def test_flat_patches_beside_a_wall_between_labels_are_told(self):
+        image, mesh, bare = self.folder / "two.nrrd", self.folder / "two.msh", self.folder / "bare.msh"
+        voxels = [(1 if k < 12 else 2) if math.hypot(i - 9.3, j - 9.6) < 6 else 0 for k in range(24) for j in range(20) for i in range(20)]
+        nrrd.write(image, [20, 20, 24], voxels)
+        self.run_well("delaunay", image, "-o", mesh, "--edge-length", 3)
+        text = mesh.read_text(encoding="utf-8")
+        begin, end = text.index("$Comments"), text.index("$EndComments")  # Where lumesh says the kinds.
+        text = text[:begin] + text[end + len("$EndComments\n"):]
+        bare.write_text(re.sub('"(wall_|interface_|inlet_|outlet_)', r'"part_\1', text), encoding="utf-8")
+        told = self.run_well("info", bare).stderr
+        self.assertRegex(told, r"the flat patches part_inlet_1\w*, part_outlet_1\w* count as wall")
 
 
 if __name__ == "__main__":
