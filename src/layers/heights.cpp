@@ -202,14 +202,16 @@ Outside::Outside(std::span<const Vec3> points, const std::vector<Cell<3>>& trian
   for (const Cell<3>& t : triangles) normals.push_back(triangle_normal(points, t));
 }
 
-LayerProfile::LayerProfile(std::vector<double> levels, ShortOfRoom short_of_room)
-    : levels_(std::move(levels)) {
+LayerProfile::LayerProfile(std::vector<double> levels, Shortening shortening)
+    : levels_(std::move(levels)), shortening_(shortening) {
   constexpr double kOfFirst = 0.995;
-  if (short_of_room == ShortOfRoom::kShrink) return;
-  double equal = 0;
+  if (shrinks()) return;
+  double equal = 0, before = 0;
   for (const double level : levels_) {
     equal += levels_.front();
-    least_.push_back(std::min(level, equal));
+    const double least = shortening == Shortening::kDropEarly ? std::max(before, equal) : equal;
+    least_.push_back(std::min(level, least));
+    before = level;
   }
   least_.front() = kOfFirst * levels_.front();
 }
@@ -271,11 +273,15 @@ WantedColumns wanted_columns(const LayerSurface& surface, const Directions& dire
   WantedColumns wanted;
   wanted.heights = height_schedule(options, most.empty() ? 0 : *std::ranges::max_element(most));
   const std::vector<double>& heights = wanted.heights;
+  using Shortening = LayerProfile::Shortening;
+  const Shortening shortening = options.counts_by_sizes()                       ? Shortening::kDropEarly
+                                : options.short_of_room == ShortOfRoom::kShrink ? Shortening::kAllLayers
+                                                                                : Shortening::kDropLate;
   wanted.columns = {std::move(scales),
                     std::vector<double>(count, 1),
                     std::vector<double>(count, 1),
                     std::vector<LayerLimit>(count, LayerLimit::kNone),
-                    {shares_of_last(heights), options.short_of_room}};
+                    {shares_of_last(heights), shortening}};
   Columns& columns = wanted.columns;
   parallel::for_each_index(
       count, [&](std::size_t v) { columns.wanted_mm[v] *= heights.back() * directions.stretch[v]; });
@@ -287,6 +293,19 @@ WantedColumns wanted_columns(const LayerSurface& surface, const Directions& dire
       columns.shorten(v, 0, is_rim ? LayerLimit::kRim : LayerLimit::kRidge);
   });
   return wanted;
+}
+
+void WantedColumns::drop_unused_layers() {
+  int used = 1;
+  for (std::size_t v = 0; v < columns.fraction.size(); ++v) used = std::max(used, columns.count(v));
+  const double share = columns.profile.level(used);
+  heights.resize(static_cast<std::size_t>(used));
+  for (std::size_t v = 0; v < columns.fraction.size(); ++v) {
+    columns.wanted_mm[v] *= share;
+    columns.fraction[v] /= share;
+    columns.asked[v] /= share;
+  }
+  columns.profile = {shares_of_last(heights), columns.profile.shortening()};
 }
 
 void keep_from_other_sides(const LayerSurface& surface, const Directions& directions, const Outside& outside,

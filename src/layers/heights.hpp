@@ -2,6 +2,7 @@
 /// @file Heights of the columns of layers, before any cell is looked at.
 
 #include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include "directions.hpp"
@@ -26,16 +27,21 @@ struct Outside {
   Outside(std::span<const Vec3> points, const std::vector<Cell<3>>& triangles);
 };
 
-/// The layers of a column by its length, as a share of the length wanted. Either all layers, in proportion to
-/// it; or the first at its height, and as many over it as fit: outer ones lose height until all are as high
-/// as the first, before the outermost goes.
+/// The layers of a column by its length, as a share of the length wanted.
 class LayerProfile {
  public:
+  enum class Shortening : std::uint8_t {
+    kAllLayers,  ///< Every layer stays, in proportion to the length.
+    kDropLate,   ///< The first has its height; those over it lose theirs until all are as high as the first,
+                 ///< before the outermost goes.
+    kDropEarly,  ///< The same, but the outermost goes where all others could be as high as wanted.
+  };
   LayerProfile() = default;
   /// @param levels  Upper end of each layer of a complete column; the last is 1.
-  LayerProfile(std::vector<double> levels, ShortOfRoom short_of_room);
+  LayerProfile(std::vector<double> levels, Shortening shortening);
 
-  [[nodiscard]] bool shrinks() const { return least_.empty(); }
+  [[nodiscard]] Shortening shortening() const { return shortening_; }
+  [[nodiscard]] bool shrinks() const { return shortening_ == Shortening::kAllLayers; }
   [[nodiscard]] int layers() const { return static_cast<int>(levels_.size()); }
   /// Number of layers of a column.
   [[nodiscard]] int count(double fraction) const;
@@ -57,6 +63,7 @@ class LayerProfile {
 
  private:
   std::vector<double> levels_, least_;
+  Shortening shortening_ = Shortening::kAllLayers;
 };
 
 /// Columns over a surface.
@@ -86,6 +93,9 @@ struct Columns {
 struct WantedColumns {
   std::vector<double> heights;  ///< Of the layers' upper ends, in the unit of the options.
   Columns columns;
+
+  /// Takes layers that no column has out of the heights.
+  void drop_unused_layers();
 };
 /// Columns as wanted, for each vertex; none where no direction keeps the first height.
 [[nodiscard]] WantedColumns wanted_columns(const LayerSurface& surface, const Directions& directions,

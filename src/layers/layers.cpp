@@ -108,7 +108,10 @@ WantedColumns columns_by_heights(const TetMesh& mesh, const BoundaryFaces& faces
                             bounding_box(frame.surface.points).diagonal().norm());
   keep_from_other_sides(frame.surface, frame.directions, outside, side, columns);
   smooth_lengths(frame.surface, columns);
-  if (options.counts_by_sizes()) columns.ask_for_what_is();  // As many as there is room for.
+  if (options.counts_by_sizes()) {
+    columns.ask_for_what_is();  // As many as there is room for.
+    wanted.drop_unused_layers();
+  }
   return wanted;
 }
 

@@ -240,6 +240,23 @@ TEST(LayerCount, IsThatOfTheSizesWhereNoneIsAskedFor) {
   EXPECT_EQ(grown(mesh, {.first_height = 10}).report.layers, 1) << "higher than edges from the first one on";
 }
 
+/// Layers up to the edges' length would be thicker than the tube's radius; there were as many as that with a
+/// growth of 1.1.
+TEST(LayerCount, IsThatOfTheRoomAndTheGrowthThatIsAskedFor) {
+  constexpr double kFirst = 0.03, kGrowth = 1.5;
+  const TetMesh mesh = tube(4);
+  const LayerResult result =
+      grown(mesh, {.side = LayerSide::kInward, .first_height = kFirst, .growth = kGrowth});
+  ASSERT_TRUE(validate(result.mesh.view()).ok());
+  const LayerCoverage& wall = result.report.patches.at(0);
+  EXPECT_GT(wall.complete, 0.9);
+  const auto thickness_of = [](double layers) {
+    return kFirst * (std::pow(kGrowth, layers) - 1) / (kGrowth - 1);
+  };
+  EXPECT_LT(wall.achieved_mm, thickness_of(wall.mean_layers));
+  EXPECT_GT(wall.achieved_mm, 0.98 * thickness_of(wall.mean_layers - 1));
+}
+
 /// A metric that changes linearly in its logarithm is met wherever a vertex goes.
 TEST(LayerMetric, IsThatOfThePlace) {
   TetMesh mesh = tube();

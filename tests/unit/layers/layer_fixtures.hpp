@@ -39,9 +39,9 @@ inline constexpr double kPi = std::numbers::pi;
 inline constexpr double kTubeRadius = 10;
 
 /// Along z, open at both ends.
-[[nodiscard]] inline TetMesh tube() {
-  return meshed(voxels_of(frame_of({40, 40, 50}), {0, 1}, [](const Vec3& p) {
-    return std::hypot(p.x() - 19.5, p.y() - 19.5) < kTubeRadius ? 1 : 0;
+[[nodiscard]] inline TetMesh tube(double radius_mm = kTubeRadius) {
+  return meshed(voxels_of(frame_of({40, 40, 50}), {0, 1}, [=](const Vec3& p) {
+    return std::hypot(p.x() - 19.5, p.y() - 19.5) < radius_mm ? 1 : 0;
   }));
 }
 
