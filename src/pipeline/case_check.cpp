@@ -17,10 +17,29 @@ namespace {
   throw Error(ErrorKind::kBadInput, what);
 }
 
-void require_none(const std::vector<std::string>& options, const std::string& input) {
-  if (options.empty()) return;
-  throw_bad_case(
-      fmt::format("[input] {} is for images; leave it out with {}", fmt::join(options, ", "), input));
+/// Refuses keys of [input] that say nothing of what it is.
+void require_none(const std::vector<std::string>& keys, const std::string& of, const std::string& input) {
+  if (keys.empty()) return;
+  throw_bad_case(fmt::format("[input] {} is for {}; leave it out with {}", fmt::join(keys, ", "), of, input));
+}
+
+/// The keys of [input] on a phantom's image.
+struct PhantomImageKeys {
+  PhantomSpec spec;
+  void describe(OptionList& list) { spec.describe_image(list, "phantom_"); }
+};
+
+/// Refuses keys that are for another kind of input.
+void require_keys_of_input(const InputKeys& input) {
+  const bool is_surface = !input.surface.empty(), is_phantom = !input.phantom.empty();
+  const std::string given = is_surface ? "surface" : is_phantom ? "phantom" : "image";
+  if (!is_phantom)
+    require_none(differing_options(PhantomImageKeys{input.phantom_spec}, PhantomImageKeys()), "phantoms",
+                 given);
+  if (!is_surface)
+    return require_none(differing_options(input.of_surface, SurfaceInputOptions()), "surfaces", given);
+  require_none(input.selection.given(), "images", given);
+  require_none(differing_options(input.field, LabelFieldOptions()), "images", given);
 }
 
 void check_input(const Case& c) {
@@ -34,14 +53,14 @@ void check_input(const Case& c) {
     throw_bad_case("the lattice mesher takes images; for [input] surface set mesher = \"delaunay\"");
   naming("[input]", [&] { input.cuts.validate(); });
   const ImageSelection& selection = input.selection;
-  if (!input.surface.empty()) require_none(selection.given(), "surface");
+  require_keys_of_input(input);
   if (input.phantom.empty()) return;
   ImageSelection of_phantoms = selection;  // Without what is for files.
   of_phantoms.labels.clear();
   of_phantoms.largest_component = of_phantoms.fill_cavities = false;
   of_phantoms.drop_below = 0;
   of_phantoms.touching = TouchChoice::kKeep;
-  require_none(of_phantoms.given(), "phantom");
+  require_none(of_phantoms.given(), "images", "phantom");
   try {
     static_cast<void>(phantom_kind_from_name(input.phantom));
   } catch (const Error& unknown) {

@@ -86,7 +86,9 @@ ImageReadOptions ImageSelection::read_options() const {
 }
 
 void ImageSelection::describe(OptionList& list, bool has_probabilities) {
-  list.integers("labels", labels, "Labels of the image to take; none: all");
+  list.integers("labels", labels, "Labels of the image to take; none: all")
+      .excludes("threshold")
+      .excludes("below");
   list.rows("threshold",
             {2, "150,400", true, [this] { return threshold_rows(threshold, threshold_up_to); },
              [this](const auto& rows) {

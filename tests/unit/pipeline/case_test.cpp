@@ -244,6 +244,26 @@ TEST_F(CaseFile, ASettingThatIsNoneSaysHowToWriteIt) {
             "--set metric.k=many: [metric] k must be a whole number");
 }
 
+TEST_F(CaseFile, RefusesKeysForAnotherKindOfInput) {
+  const auto refused = [&](const std::string& input, const std::string& key) {
+    return refusal("mesher = \"delaunay\"\n[input]\n" + input + "\n" + key + "\n");
+  };
+  for (const char* key : {"patch_array = \"ids\"", "keep_open = true", "feature_angle = 30.5"}) {
+    const std::string name = std::string(key).substr(0, std::string(key).find(' '));
+    for (const char* input : {"image", "phantom"})
+      EXPECT_EQ(refused(std::string(input) + " = \"torus\"", key),
+                "a.toml: [input] " + name + " is for surfaces; leave it out with " + input);
+    EXPECT_EQ(refused("surface = \"a.stl\"", key), "accepted");
+  }
+  for (const char* input : {"image", "surface"})
+    EXPECT_EQ(refused(std::string(input) + " = \"a.stl\"", "phantom_noise = 0.5"),
+              std::string("a.toml: [input] phantom_noise is for phantoms; leave it out with ") + input);
+  EXPECT_EQ(refused("surface = \"a.stl\"", "boundary = \"exact\""),
+            "a.toml: [input] boundary is for images; leave it out with surface");
+  EXPECT_EQ(refused("image = \"a.nrrd\"", "labels = [1]\nthreshold = 1"),
+            "a.toml: [input] labels and threshold exclude each other; give one of them");
+}
+
 /// The tables show it for what is empty.
 TEST_F(CaseFile, NoneMakesAKeyEmpty) {
   const std::string text = R"([input]
@@ -291,7 +311,6 @@ TEST_F(CaseFile, TheTextOfACaseReadsAsTheSameCase) {
   const Case c = read(R"([input]
 image = 'an image.nrrd'
 threshold = 0.1
-phantom_spacing = [1, 2, 3]
 cut_planes = [[0, 0, 10.125, 0.3333333333333333, 0, -1], [1, 2, 3, 4, 5, 6]]
 cut_at = [[1, -2.5, 0.1]]
 [metric]
@@ -307,6 +326,10 @@ execution = "speculative"
   EXPECT_EQ(again.input.cuts.places_mm, (std::vector<Vec3>{{1, -2.5, 0.1}}));
   EXPECT_EQ(again.input.selection.threshold, 0.1);
   EXPECT_EQ(again.adapt.adapt.execution, ExecutionKind::kSpeculative);
+  const std::string of_phantom =
+      case_text(read("[input]\nphantom = \"torus\"\nphantom_spacing = [1, 2, 3]\n"));
+  EXPECT_EQ(case_text(read(of_phantom)), of_phantom);
+  EXPECT_EQ(read(of_phantom).input.phantom_spec.spacing_mm, Vec3(1, 2, 3));
 }
 
 }  // namespace
