@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 #include "cell_blocks.hpp"
@@ -69,15 +70,21 @@ PatchNumbers patches_by(const std::filesystem::path& path, const CellArrays& arr
 }  // namespace
 
 void complete_patches(const std::filesystem::path& path, MixedMesh& mesh, const std::string& unnamed) {
-  std::int32_t last = -1;
-  for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches}) {
+  const auto known = static_cast<std::int32_t>(mesh.info.patches.size());
+  std::map<std::int32_t, std::int32_t> added;  // Numbers in the file, and here.
+  for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches})
     for (const std::int32_t p : *patches) {
       if (p < 0 || p >= kPatchEnd) fail(path, kFaceWithoutPatch);
-      last = std::max(last, p);
+      if (p >= known) added.emplace(p, 0);
     }
+  if (added.empty()) return;
+  for (auto& [number, patch] : added) {
+    patch = static_cast<std::int32_t>(mesh.info.patches.size());
+    mesh.info.patches.push_back({unnamed + std::to_string(number), PatchKind::kWall, {}});
   }
-  while (static_cast<std::int32_t>(mesh.info.patches.size()) <= last)
-    mesh.info.patches.push_back({unnamed + std::to_string(mesh.info.patches.size()), PatchKind::kWall, {}});
+  for (auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches})
+    for (std::int32_t& p : *patches)
+      if (p >= known) p = added.at(p);
 }
 
 void add_polygons(const std::filesystem::path& path, const Polygons& polygons, const CellArrays& arrays,

@@ -56,7 +56,8 @@ void add_polygons(const std::filesystem::path& path, const Polygons& polygons, c
 /// Number of patches that meshes which change can have.
 inline constexpr std::int64_t kPatchEnd = 65'535;
 
-/// Checks that faces have patches, and adds those that the file does not describe.
+/// Checks that faces have patches, and adds those with faces that the file does not describe, named by their
+/// numbers in it.
 void complete_patches(const std::filesystem::path& path, MixedMesh& mesh,
                       const std::string& unnamed = "patch_");
 

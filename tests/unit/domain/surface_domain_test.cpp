@@ -454,6 +454,16 @@ INSTANTIATE_TEST_SUITE_P(
                         s = s.moved(
                             [](const Vec3& p) { return Vec3(p.x() + 0.5 * p.z(), p.y() - p.z(), 0); });
                       },
+                      "the surface is flat and encloses nothing, such as at ("},
+        BrokenSurface{"FlatPart",
+                      [](TriangleSoup& s) {
+                        const auto first = static_cast<std::uint32_t>(s.points.size());
+                        const TriangleSoup flat = s.moved(
+                            [](const Vec3& p) { return Vec3(90 + p.x() + 0.5 * p.z(), p.y() - p.z(), 0); });
+                        s.points.insert(s.points.end(), flat.points.begin(), flat.points.end());
+                        for (const Cell<3>& t : flat.triangles)
+                          s.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+                      },
                       "(`lumesh repair`)"},
         BrokenSurface{"NaN", [](TriangleSoup& s) { s.points[5].y() = NAN; }, "point 5 is not finite"},
         BrokenSurface{"MissingPoint", [](TriangleSoup& s) { s.triangles[3][1] = 99; },

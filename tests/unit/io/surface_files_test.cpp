@@ -123,9 +123,10 @@ TEST_F(SurfaceFile, PolyDataInLegacyVtk) {
     const MixedMesh mesh = read("a.vtk", kPolyDataHeader + cells + kFiveFaceIds);
     EXPECT_EQ(mesh.points, kCorners);
     EXPECT_EQ(mesh.triangles, kFaces);
-    EXPECT_EQ(mesh.triangle_patches, (std::vector<std::int32_t>{2, 2, 2, 4}));
-    ASSERT_EQ(mesh.info.patches.size(), 5U);
-    EXPECT_EQ(mesh.info.patches[4].name, "face_4");
+    EXPECT_EQ(mesh.triangle_patches, (std::vector<std::int32_t>{0, 0, 0, 1}));
+    ASSERT_EQ(mesh.info.patches.size(), 2U);  // None for numbers that no face has.
+    EXPECT_EQ(mesh.info.patches[0].name, "face_2");
+    EXPECT_EQ(mesh.info.patches[1].name, "face_4");
   }
 }
 
@@ -176,7 +177,10 @@ TEST_F(SurfaceFile, ArraysOfLegacyVtkByName) {
       "int\n1 1 3 3\nheat 1 4 double\n0.5 1 1 1\n";
   const auto path = fixtures::write_file(folder_ / "a.vtk", text);
   const MixedMesh mesh = read_surface_file(path, "zones", Context());
-  EXPECT_EQ(mesh.triangle_patches, (std::vector<std::int32_t>{1, 1, 3, 3}));
+  EXPECT_EQ(mesh.triangle_patches, (std::vector<std::int32_t>{0, 0, 1, 1}));
+  ASSERT_EQ(mesh.info.patches.size(), 2U);
+  EXPECT_EQ(mesh.info.patches[0].name, "face_1");
+  EXPECT_EQ(mesh.info.patches[1].name, "face_3");
   const auto error_by = [&](const std::string& name) {
     return fixtures::error_of([&] { (void)read_surface_file(path, name, Context()); });
   };
