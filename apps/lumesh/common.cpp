@@ -101,8 +101,10 @@ void write_json(const std::string& path, const std::string& text) {
 }
 
 CommandRun::CommandRun(const RunOptions& options)
-    : limit_(options.threads), context({}, [this, command = options.command](std::string_view text) {
-        std::string warning = with_flags(text, *command);
+    : limit_(options.threads),
+      context({}, [this, command = options.command, with_keys = options.with_keys](std::string_view text) {
+        std::string warning =
+            with_flags(with_keys ? with_keys(std::string(text)) : std::string(text), *command);
         // The first mesh of a case and its last one may deserve the same.
         if (std::ranges::find(warnings_, warning) != warnings_.end()) return;
         warnings_.push_back(std::move(warning));

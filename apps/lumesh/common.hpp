@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <memory>
@@ -57,6 +58,7 @@ struct RunOptions {
   std::size_t quiet = 0;
   double time_limit_s = std::numeric_limits<double>::infinity();
   CLI::App* command = nullptr;  ///< Whose names of options warnings use; finish_options() sets it.
+  std::function<std::string(const std::string&)> with_keys = {};  ///< Names that come before these, if any.
 
   /// How the command makes a mesh: with the options given, but for those that do not change it.
   [[nodiscard]] Making making() const;

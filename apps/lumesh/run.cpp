@@ -35,6 +35,7 @@ void run(const RunCommand& command, const Case& c, const std::string& json_path)
   RunOptions options = command.run;
   options.threads = c.run.threads;
   options.time_limit_s = c.run.time_limit_s;
+  options.with_keys = [&c](const std::string& message) { return c.with_keys(message); };
   CommandRun session(options);
   session.context.report_info_to([&](std::string_view line) {
     say(command.run, "{}\n", line);

@@ -194,7 +194,8 @@ void check_parts_touch(std::span<const PartSurface> parts, const JoinedPoints& j
   throw Error(
       ErrorKind::kBadInput,
       fmt::format("{}: shares no face with the others; its points come within {:.3g} of their surface, "
-                  "the tolerance is {:.3g}: give a larger one if they belong together",
+                  "in the meshes' unit, and are joined within {:.3g}: give a larger `tolerance` if that "
+                  "is rounding; else see that they have one unit and frame",
                   part.name, smallest, joined.tolerance));
 }
 

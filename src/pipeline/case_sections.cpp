@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "case_stage.hpp"
 #include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/stages/input_parts.hpp"
@@ -93,6 +94,10 @@ DelaunayRequest Case::delaunay_request() const {
 bool Case::needs_centerline() const {
   return centerline.is_wanted || metric.source<metric::PointSource>().points == "centerline" ||
          (mesher == Mesher::kDelaunay && delaunay_request().sizes.needs_axes());
+}
+
+std::string Case::with_keys(const std::string& message) const {
+  return pipeline::with_case_keys(message, pipeline::sections_of(pipeline::CaseStage::kMesh, mesher));
 }
 
 namespace pipeline {

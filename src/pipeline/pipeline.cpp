@@ -91,6 +91,8 @@ class CaseRun {
       else
         describe_mesh(state_, last);
     });
+    if (last.evaluation)
+      for (std::string& warning : last.evaluation->warnings) warning = state_.c.with_keys(warning);
     describing_s_ += seconds_since(start);
   }
   void name_patches() { result_.without_name = name_patches_of_case(state_, report_.stages.back()); }

@@ -103,6 +103,8 @@ struct Case {
   /// The request for the Delaunay mesher, with the execution of adapt.
   [[nodiscard]] DelaunayRequest delaunay_request() const;
   [[nodiscard]] bool needs_centerline() const;
+  /// A message that names options neutrally, with the names of the case's keys.
+  [[nodiscard]] std::string with_keys(const std::string& message) const;
 };
 
 /// Reads a case file (TOML 1.0). Relative paths in it are relative to its folder; in the result all are

@@ -244,6 +244,14 @@ TEST_F(CaseFile, ASettingThatIsNoneSaysHowToWriteIt) {
             "--set metric.k=many: [metric] k must be a whole number");
 }
 
+TEST_F(CaseFile, MessagesNameItsKeys) {
+  Case c = read("[input]\nphantom = \"torus\"\n");
+  EXPECT_EQ(c.with_keys("a smaller `edge_length` makes more"), "a smaller [delaunay] edge_length makes more");
+  c.mesher = Mesher::kLattice;
+  EXPECT_EQ(c.with_keys("`edge_length`, `first_height`, `x`"),
+            "[lattice] edge_length, [layers] first_height, `x`");
+}
+
 TEST_F(CaseFile, RefusesKeysForAnotherKindOfInput) {
   const auto refused = [&](const std::string& input, const std::string& key) {
     return refusal("mesher = \"delaunay\"\n[input]\n" + input + "\n" + key + "\n");
