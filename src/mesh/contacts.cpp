@@ -193,9 +193,9 @@ void check_parts_touch(std::span<const PartSurface> parts, const JoinedPoints& j
     if (groups[p] != *alone) smallest = std::min(smallest, distance_between(part, parts[p]));
   throw Error(
       ErrorKind::kBadInput,
-      fmt::format("{}: shares no face with the others; its points come within {:.3g} of their surface, "
-                  "in the meshes' unit, and are joined within {:.3g}: give a larger `tolerance` if that "
-                  "is rounding; else see that they have one unit and frame",
+      fmt::format("{}: shares no face with the others; its points come within {:.3g} of their surface, in "
+                  "the meshes' unit, and are joined within {:.3g}: give a larger `tolerance`, or see that "
+                  "unit and frame are one",
                   part.name, smallest, joined.tolerance));
 }
 
