@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "axis_sections.hpp"
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
@@ -104,7 +105,15 @@ std::vector<Vec3> clip_piece(LabelImage& image, const Index3& voxel, const Local
   const auto shape_of = [&](const Vec3& end, const Vec3& outward, double radius_mm) {
     return shape_of_end(image.frame(), sections, end, outward, radius_mm);
   };
-  return cut_ends(lines, length, is_wide, shape_of, planes, cut, context);
+  const auto axis_at_place = [&](const AxisPlace& at) {
+    const SectionOf section_of = [&](const CutPlane& plane, double reach_mm) {
+      return section_of_voxels(image, planes, plane, reach_mm);
+    };
+    const double layer_mm = image.frame().thickness_along_mm(at.across.normal);
+    return axis_of_both(at.across.normal, axis_by_sections(section_of, at.across, at.radius_mm, layer_mm,
+                                                           deviation_of_centre_mm(at.radius_mm, voxel_mm)));
+  };
+  return cut_ends(lines, length, is_wide, shape_of, axis_at_place, planes, cut, context);
 }
 
 /// Ends without an axis of their own are those that several vessels share, and those of small pieces.

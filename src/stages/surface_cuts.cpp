@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "axis_sections.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -85,6 +86,12 @@ class SurfaceCutter {
             return (tip - e.centre_mm).norm() / circle_radius(e.area_mm2);
           });
           return EndShape{0, end == ends.end() ? 0 : end->area_mm2 * std::abs(end->normal.dot(outward))};
+        },
+        [&](const AxisPlace& at) {
+          const SectionOf section_of = [&](const CutPlane& plane, double reach_mm) {
+            return section_of_surface(mesh_, plane, reach_mm);
+          };
+          return axis_of_both(at.across.normal, axis_by_sections(section_of, at.across, at.radius_mm, 0, 0));
         },
         {}, [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
     if (ends.empty()) warn_of_closed_ends(closed_ends);

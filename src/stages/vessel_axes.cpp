@@ -177,6 +177,16 @@ CutPlane towards_end(const AxisPlace& place, const Vec3& end) {
   return plane;
 }
 
+/// Turns the plane at a place square to the axis there.
+void turn_square(AxisPlace& place, const AxisAtPlace& axis_at_place) {
+  const std::optional<Vec3> axis = axis_at_place(place);
+  if (!axis)
+    throw Error(ErrorKind::kBadInput, "the direction of its axis cannot be told at " +
+                                          place_text(place.across.point_mm) +
+                                          ", where vessels join or change; cut it with `cut_plane`");
+  place.across.normal = *axis;
+}
+
 }  // namespace
 
 Polylines axes_if_any(const LabelImage& image, std::span<const CutPlane> cuts) {
@@ -233,7 +243,7 @@ AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const Cut
 
 std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
                            const std::function<bool(std::uint32_t)>& is_end, const ShapeOfEnd& shape_of,
-                           const std::vector<CutPlane>& before,
+                           const AxisAtPlace& axis_at_place, const std::vector<CutPlane>& before,
                            const std::function<void(const AxisPlace&)>& cut, const Context& context) {
   constexpr double kMaxOfEnd = 1.5;  // Sections over the end's; a fork begins with less than two vessels.
   std::vector<Vec3> ends;
@@ -251,9 +261,15 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
     try {
       AxisPlace found = place_before(length);
       const double asked_mm = found.across.height(end);
-      const EndShape shape = shape_of(end, found.across.normal, found.radius_mm);
-      const double min_mm = shape.depth_mm;
+      double min_mm = shape_of(end, found.across.normal, found.radius_mm).depth_mm;
       if (min_mm > asked_mm) found = place_before({min_mm});
+      turn_square(found, axis_at_place);
+      EndShape shape = shape_of(end, found.across.normal, found.radius_mm);
+      if (shape.depth_mm > std::max(min_mm, asked_mm)) {  // It reaches farther back along that direction.
+        min_mm = shape.depth_mm;
+        found = place_before({min_mm});
+        turn_square(found, axis_at_place);
+      }
       found.end_mm2 = shape.section_mm2;
       found.section_radius_mm =
           std::max(found.radius_mm, circle_radius(kMaxOfEnd / kMaxWideningAtEnds * shape.section_mm2));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -56,19 +57,24 @@ struct EndShape {
   double section_mm2 = 0;  ///< Area of the vessel across the direction; 0 if it is not known.
 };
 using ShapeOfEnd = std::function<EndShape(const Vec3& end, const Vec3& outward, double radius_mm)>;
+/// The unit direction of the vessel's axis at a place, near the one that its line has there and towards its
+/// end; none where it cannot be told.
+using AxisAtPlace = std::function<std::optional<Vec3>(const AxisPlace& place)>;
 
 /// Has the vessels cut at so far from each of their ends; an end that cannot be cut off stays, with a
 /// warning.
 /// An end that an opening cuts off obliquely is cut farther inside where the cut would meet the opening, with
 /// a warning.
-/// @param shape_of  Of the opening at an end, beside an axis of this radius.
+/// @param shape_of  Shape of the opening at an end, beside an axis of this radius. @param axis_at_place
+/// Where it has none, the end stays, with a warning.
 /// @param lines  As above. @param is_end  Whether the end of a line at this point is one to cut off.
 /// @param before  Cuts that were made; may grow by `cut`.
 /// @param cut  Cuts at a place whose normal points to the end. @throws Error{kBadInput} if it cannot be.
 /// @return  These ends.
 [[nodiscard]] std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
                                          const std::function<bool(std::uint32_t)>& is_end,
-                                         const ShapeOfEnd& shape_of, const std::vector<CutPlane>& before,
+                                         const ShapeOfEnd& shape_of, const AxisAtPlace& axis_at_place,
+                                         const std::vector<CutPlane>& before,
                                          const std::function<void(const AxisPlace&)>& cut,
                                          const Context& context);
 

@@ -223,6 +223,60 @@ TEST(InputCuts, EndsOfEveryPieceAreClipped) {
     EXPECT_GT(std::abs(opening.normal.dot(Vec3(1, 0, 0.3).normalized())), 0.99) << opening.name;
 }
 
+/// A trunk along z and its two arms, which go apart by 30 degrees each 8 voxels before the border.
+LabelImage fork_at_border() {
+  const Vec3 fork(28, 22.3, 52);
+  return fixtures::voxels_of(fixtures::frame_of({56, 44, 60}), {0, 1}, [=](const Vec3& p) {
+    const Vec3 off = p - fork;
+    const auto is_near = [&](const Vec3& along, double radius) {
+      return (off - std::max(0.0, off.dot(along)) * along).norm() < radius;
+    };
+    return is_near({0, 0, -1}, 5) || is_near(Vec3(1, 0.1, std::sqrt(3)).normalized(), 4) ||
+                   is_near(Vec3(-1, 0.1, std::sqrt(3)).normalized(), 3.75)
+               ? 1
+               : 0;
+  });
+}
+
+TEST(InputCuts, EndsBehindAForkAreCutSquareOrStayAndAreTold) {
+  for (const std::string length : {"0.5r", "1r", "5", "2r"}) {
+    std::vector<std::string> warnings;
+    Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+    LabelImage image = fork_at_border();
+    const std::vector<CutPlane> planes = cut_off(image, {{}, {}, local_length_from(length)}, context);
+    const bool is_clear = length == "2r";  // Two voxels below the fork.
+    EXPECT_EQ(planes.size(), is_clear ? 2U : 1U) << length;
+    EXPECT_EQ(warnings.size(), is_clear ? 0U : 1U) << length;
+    for (const std::string& warning : warnings) {
+      EXPECT_NE(warning.find("the end at (32.0, 22."), std::string::npos) << warning;
+      EXPECT_NE(warning.find(" stays: "), std::string::npos) << warning;
+    }
+    for (const CutPlane& plane : planes)
+      EXPECT_GT(std::abs(plane.normal.z()), std::cos(std::numbers::pi / 180)) << length;
+  }
+}
+
+/// Straight tubes of 1.75 to 2.9 voxels in radius, that lean to all sides.
+TEST(InputCuts, EndsOfThinVesselsAreCutSquare) {
+  double squares = 0;
+  int count = 0;
+  for (int i = 0; i < 12; ++i) {
+    const double radius = 1.75 + 0.1 * i, around = 2.4 * i, lean = 0.06 * i;
+    const Vec3 along(std::sin(lean) * std::cos(around), std::sin(lean) * std::sin(around), std::cos(lean)),
+        middle(21.3 + 0.05 * i, 19.7 - 0.03 * i, 21.5);
+    LabelImage image = fixtures::voxels_of(fixtures::frame_of({44, 40, 44}), {0, 1}, [&](const Vec3& p) {
+      return (p - middle - (p - middle).dot(along) * along).norm() < radius ? 1 : 0;
+    });
+    Context context;
+    for (const CutPlane& plane : cut_off(image, {{}, {}, local_length_from("1r")}, context)) {
+      squares += std::pow(std::acos(std::min(1.0, std::abs(plane.normal.dot(along)))), 2);
+      ++count;
+    }
+  }
+  EXPECT_EQ(count, 24);
+  EXPECT_LT(std::sqrt(squares / count) * 180 / std::numbers::pi, 1.2);
+}
+
 TEST(InputCuts, AnObliqueEndIsCutBehindItsOpening) {
   constexpr double kRadius = 5, kLean = 65 * std::numbers::pi / 180;
   const Vec3 middle(70.3, 9.6, 19.2), along(std::sin(kLean), 0, std::cos(kLean));

@@ -403,6 +403,31 @@ TEST_F(SurfaceCuts, EndsOfOvalVesselsAreCut) {
   EXPECT_NEAR(end_named(cut, "inlet_1").area_mm2, given_mm3 / 20, 0.01 * given_mm3 / 20);
 }
 
+// The balls that fit into an oval vessel can lie to either side, and their centres stray.
+TEST_F(SurfaceCuts, EndsOfOvalVesselsThatBendAreCutSquare) {
+  for (const double ratio : {2.0, 3.0, 4.0}) {
+    constexpr double kBend = 24;
+    Tube tube;
+    tube.length_mm = 50;
+    tube.rows = 60;
+    tube.axis = [](double s) {
+      return Vec3(kBend * (1 - std::cos(s / kBend)), 0, kBend * std::sin(s / kBend));
+    };
+    tube.along = [](double s) { return Vec3(std::sin(s / kBend), 0, std::cos(s / kBend)); };
+    tube.radius = [&](double angle) {  // The long axis is that of y.
+      return 3 * ratio / std::hypot(ratio * std::cos(angle), std::sin(angle));
+    };
+    InputCuts cuts;
+    cuts.ends = local_length_from("2r");
+    const auto domain = read(soup_of(tube), cuts).domain({});
+    ASSERT_EQ(domain->flat_ends().size(), 2U);
+    for (const FlatEnd& end : domain->flat_ends()) {
+      const double s = kBend * std::atan2(end.centre_mm.z(), kBend - end.centre_mm.x());
+      EXPECT_GT(std::abs(end.normal.dot(tube.along(s))), std::cos(kPi / 180)) << ratio;
+    }
+  }
+}
+
 TEST_F(SurfaceCuts, EndsThatAPlaneMadeAreCutToo) {
   InputCuts cuts;
   cuts.planes = {{{0, 0, 15}, {0.3, 0, 1}}};
