@@ -7,6 +7,7 @@
 
 #include "lumesh/core/angles.hpp"
 #include "lumesh/core/sort_unique.hpp"
+#include "lumesh/geometry/area_order.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/key_table.hpp"
 
@@ -15,17 +16,23 @@ namespace {
 
 constexpr std::uint32_t kNoRegion = ~0u;
 
-/// Numbers the regions by falling area; equal ones stay in the order of their first triangles.
-FeatureRegions sorted_by_area(FeatureRegions found) {
-  std::vector<std::uint32_t> order(found.count()), number(found.count());
-  for (std::uint32_t r = 0; r < order.size(); ++r) order[r] = r;
-  std::ranges::stable_sort(
-      order, [&](std::uint32_t a, std::uint32_t b) { return found.areas_mm2[a] > found.areas_mm2[b]; });
+/// Numbers the regions by falling area, and places where areas are alike.
+FeatureRegions sorted_by_area(const ClosedSurface& surface, FeatureRegions found) {
+  std::vector<AreaAtPlace> items(found.count());
+  for (std::uint32_t t = 0; t < found.of_triangle.size(); ++t) {
+    const Vec3 &a = surface.corner(t, 0), &b = surface.corner(t, 1), &c = surface.corner(t, 2);
+    items[found.of_triangle[t]].centre_mm += triangle_area(a, b, c) * triangle_centre(a, b, c);
+  }
+  for (std::uint32_t r = 0; r < found.count(); ++r) {
+    items[r].area_mm2 = found.areas_mm2[r];
+    if (found.areas_mm2[r] > 0) items[r].centre_mm /= found.areas_mm2[r];
+  }
+  std::vector<std::uint32_t> number(found.count());
   FeatureRegions sorted;
-  for (std::uint32_t r = 0; r < order.size(); ++r) {
-    number[order[r]] = r;
-    sorted.patches.push_back(found.patches[order[r]]);
-    sorted.areas_mm2.push_back(found.areas_mm2[order[r]]);
+  for (const std::size_t r : order_by_area(items)) {
+    number[r] = sorted.count();
+    sorted.patches.push_back(found.patches[r]);
+    sorted.areas_mm2.push_back(found.areas_mm2[r]);
   }
   sorted.of_triangle = std::move(found.of_triangle);
   for (std::uint32_t& r : sorted.of_triangle) r = number[r];
@@ -133,7 +140,7 @@ FeatureRegions find_regions(const ClosedSurface& surface, double feature_angle_d
     }
   }
   join_specks(surface, found);
-  return sorted_by_area(without_empty(std::move(found)));
+  return sorted_by_area(surface, without_empty(std::move(found)));
 }
 
 FeatureRegions with_regions(const ClosedSurface& surface, FeatureRegions regions,
@@ -146,7 +153,7 @@ FeatureRegions with_regions(const ClosedSurface& surface, FeatureRegions regions
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     regions.areas_mm2[regions.of_triangle[t]] +=
         triangle_area(surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2));
-  return sorted_by_area(without_empty(std::move(regions)));
+  return sorted_by_area(surface, without_empty(std::move(regions)));
 }
 
 RegionBorders::RegionBorders(const ClosedSurface& surface, const FeatureRegions& regions)

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lumesh/core/squares.hpp"
+#include "lumesh/geometry/area_order.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
@@ -284,7 +285,7 @@ std::vector<Opening> find_openings(const Domain& domain) {
     for (OpeningNeighbours& of_one : neighbours_in_plane(more)) neighbours.push_back(std::move(of_one));
   }
   mark_rims(neighbours, all);
-  std::ranges::stable_sort(all, [](const Opening& a, const Opening& b) { return a.area_mm2 > b.area_mm2; });
+  sort_by_area(all, [](const Opening& o) { return AreaAtPlace{o.area_mm2, o.centre_mm}; });
   name_openings(PatchNaming(domain.label_names()), all);
   return all;
 }

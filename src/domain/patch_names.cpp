@@ -8,6 +8,7 @@
 #include <string>
 
 #include "lumesh/core/disjoint_sets.hpp"
+#include "lumesh/geometry/area_order.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "opening_names.hpp"
@@ -77,7 +78,11 @@ class OpeningGroups {
       group.centres_mm.push_back(triangle_centre(a, b, c));
     }
     for (const std::uint32_t i : beside_another_) groups_[number.at(sets_.find(i))].is_beside_another = true;
-    std::ranges::stable_sort(groups_, [](const Group& a, const Group& b) { return a.area_mm2 > b.area_mm2; });
+    sort_by_area(groups_, [](const Group& group) {
+      Vec3 sum = Vec3::Zero();
+      for (const Vec3& centre : group.centres_mm) sum += centre;
+      return AreaAtPlace{group.area_mm2, sum / static_cast<double>(group.centres_mm.size())};
+    });
   }
 
   std::vector<std::uint32_t> members_;

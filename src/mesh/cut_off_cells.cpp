@@ -12,6 +12,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/area_order.hpp"
 #include "lumesh/geometry/predicates.hpp"
 #include "lumesh/geometry/tetrahedron.hpp"
 #include "lumesh/geometry/triangle.hpp"
@@ -328,6 +329,7 @@ class Cutter {
   };
   struct Piece {
     double area = 0;
+    Vec3 centre_sum = Vec3::Zero();
     std::vector<std::size_t> faces;
   };
 
@@ -383,11 +385,14 @@ class Cutter {
       const auto& [a, b, c] = faces[f].corners;
       Piece& piece = by_root[joined.find(static_cast<std::uint32_t>(f))];
       piece.area += triangle_area(mesh_.points[a], mesh_.points[b], mesh_.points[c]);
+      piece.centre_sum += triangle_centre(mesh_.points[a], mesh_.points[b], mesh_.points[c]);
       piece.faces.push_back(f);
     }
     std::vector<Piece> pieces;
     for (auto& [root, piece] : by_root) pieces.push_back(std::move(piece));
-    std::ranges::stable_sort(pieces, [](const Piece& a, const Piece& b) { return a.area > b.area; });
+    sort_by_area(pieces, [](const Piece& piece) {
+      return AreaAtPlace{piece.area, piece.centre_sum / static_cast<double>(piece.faces.size())};
+    });
     return pieces;
   }
 

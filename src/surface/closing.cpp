@@ -14,6 +14,7 @@
 #include "lumesh/core/angles.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/geometry/area_order.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/findings.hpp"
@@ -50,8 +51,7 @@ class Closer {
     turn_alike(surface_);
     std::vector<Rim> rims = find_rims(surface_);
     turn_outwards(surface_, rims);
-    std::stable_sort(rims.begin(), rims.end(),
-                     [](const Rim& a, const Rim& b) { return a.area_mm2 > b.area_mm2; });
+    sort_by_area(rims, [](const Rim& rim) { return AreaAtPlace{rim.area_mm2, rim.centre_mm}; });
     find_rings(rims);
     is_within_wall_ = rims_within_walls(surface_, rims);
     flatten(rims);
@@ -151,8 +151,8 @@ class Closer {
     std::vector<std::uint8_t> is_cut_away(rims.size(), 0);
     for (std::size_t r = 0; r < rims.size(); ++r)
       if (is_cut_away[r] == 0 && !flatten_one(rims, r, planes, is_cut_away)) holes_.push_back(rims[r]);
-    std::stable_sort(openings_.begin(), openings_.end(), [](const Opening& a, const Opening& b) {
-      return a.flat.rim.area_mm2 > b.flat.rim.area_mm2;
+    sort_by_area(openings_, [](const Opening& o) {
+      return AreaAtPlace{o.flat.rim.area_mm2, o.flat.rim.centre_mm};
     });
   }
   /// False if the rim is none of an opening.

@@ -42,6 +42,17 @@ TriangleSoup capped_tube(double radius, double end_radius, double tilt, std::uin
   return soup;
 }
 
+/// Names of a tube do not depend on rounding.
+TEST(SurfaceDomain, EndsOfOneAreaAreOrderedByPlace) {
+  for (const double end_radius : {2 * (1 - 1e-3), 2 * (1 - 1e-7), 2.0, 2 * (1 + 1e-7), 2 * (1 + 1e-3)}) {
+    const std::vector<Opening> openings = find_openings(SurfaceDomain(capped_tube(2, end_radius, 0).view()));
+    ASSERT_EQ(openings.size(), 2U) << end_radius;
+    EXPECT_EQ(openings[0].name, "inlet_1");
+    EXPECT_LT(openings[0].centre_mm.z(), 1) << end_radius;
+    EXPECT_GT(openings[1].centre_mm.z(), 7) << end_radius;
+  }
+}
+
 TEST(SurfaceDomain, FlatEndsOfTubesAreOpenings) {
   for (const double tilt : {0.0, 0.5}) {
     const SurfaceDomain domain(capped_tube(2, 1.5, tilt).view());

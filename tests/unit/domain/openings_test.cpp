@@ -94,6 +94,25 @@ TEST(FindOpenings, TellsSeveralApartByFallingArea) {
   for (std::size_t i = 5; i < openings.size(); ++i) EXPECT_LT(openings[i].area_mm2, 5) << "the ball's tip";
 }
 
+TEST(FindOpenings, AreasThatAgreeAreOrderedByPlace) {
+  fixtures::AnalyticDomainOptions options;
+  options.bounds_mm = Box3(Vec3::Constant(-20), Vec3::Constant(20));
+  options.resolution_mm = 1;
+  options.cut_planes = {{Vec3(0, 0, 8), Vec3(0, 0, 1)}, {Vec3(0, 0, -8), Vec3(0, 0, -1)}};
+  for (const double share : {0.9992, 1.0, 1.0008}) {  // Of the radius; 0.16 % of the area.
+    const fixtures::AnalyticDomain domain(
+        {{1, fixtures::cylinder_shape(Vec3(6.1, 0.2, 0), Vec3(0, 0, 1), 3 * share)},
+         {2, fixtures::cylinder_shape(Vec3(-6.1, -0.2, 0), Vec3(0, 0, 1), 3)}},
+        options);
+    const std::vector<Opening> openings = find_openings(domain);
+    ASSERT_EQ(openings.size(), 4U) << share;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vec3 wanted(i % 2 == 0 ? -6.1 : 6.1, i % 2 == 0 ? -0.2 : 0.2, i < 2 ? -8 : 8);
+      EXPECT_LT((openings[i].centre_mm - wanted).norm(), 0.1) << share << openings[i].name;
+    }
+  }
+}
+
 /// Names of the openings found, five at most.
 std::vector<std::string> names_in(const LabelImage& image) {
   std::vector<std::string> names;
