@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/parallel/loops.hpp"
+#include "room_behind.hpp"
 
 namespace lumesh::surfaces {
 namespace {
@@ -54,6 +57,7 @@ struct RegionRim {
   std::map<std::uint32_t, std::uint32_t> next;
   double length_mm = 0;
   double on_flat_mm = 0;  // Beside flat regions; of a flat patch, beside flat patches.
+  double on_side_mm = 0;  // Beside flat sides of vessels.
   double ahead_mm = 0;    // Beside triangles that rise ahead of the plane, as at the foot of a step.
   bool is_of_patch = false;
 
@@ -116,8 +120,10 @@ double height_over(const ClosedSurface& surface, std::uint32_t below, std::uint3
 }
 
 /// Rims of planes, each at the number of its first region.
+/// @param is_side  By number of a plane: those count as bent for what is beside them.
 std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegions& regions,
-                               const std::vector<bool>& is_flat, const std::vector<std::uint32_t>& plane_of) {
+                               const std::vector<bool>& is_flat, const std::vector<std::uint32_t>& plane_of,
+                               const std::vector<bool>& is_side) {
   constexpr double kAhead = 0.2;  // Of the edge.
   const std::vector<bool> is_of_flat_patch = regions_of_flat_patches(regions, is_flat, plane_of);
   std::vector<RegionRim> rims(is_flat.size());
@@ -133,7 +139,11 @@ std::vector<RegionRim> rims_of(const ClosedSurface& surface, const FeatureRegion
       if (plane_of[other] == plane_of[region]) continue;
       const double edge_mm = (surface.corner(t, (s + 1) % 3) - surface.corner(t, s)).norm();
       rim.length_mm += edge_mm;
-      if (rim.is_of_patch ? is_of_flat_patch[other] : is_flat[other]) rim.on_flat_mm += edge_mm;
+      const bool is_flat_there = rim.is_of_patch ? is_of_flat_patch[other] : is_flat[other];
+      if (is_flat_there && is_side[plane_of[other]])
+        rim.on_side_mm += edge_mm;
+      else if (is_flat_there)
+        rim.on_flat_mm += edge_mm;
       if (height_over(surface, t, surface.neighbours[t][s]) > kAhead * edge_mm) rim.ahead_mm += edge_mm;
       rim.next[surface.triangles[t][s]] = surface.triangles[t][(s + 1) % 3];
     }
@@ -202,17 +212,59 @@ void measure_rims(const ClosedSurface& surface, const FeatureRegions& regions,
 
 }  // namespace
 
-std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const FeatureRegions& regions) {
+namespace {
+
+/// Planes that are sides of vessels rather than their ends.
+std::vector<bool> flat_sides(const ClosedSurface& surface, const FeatureRegions& regions,
+                             const std::vector<std::uint32_t>& plane_of, std::span<const RegionRim> rims) {
+  constexpr double kMaxLength = 3;   // Squared rim over that of a circle: a rectangle of 7.3 to 1.
+  constexpr double kMinDepth = 1.5;  // Of the radius.
+  std::vector<std::vector<std::uint32_t>> triangles(rims.size());
+  std::vector<double> areas_mm2(rims.size(), 0);
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    if (const std::uint32_t plane = plane_of[regions.of_triangle[t]]; rims[plane].on_flat_mm > 0) {
+      triangles[plane].push_back(t);
+      areas_mm2[plane] += triangle_area(surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2));
+    }
+  std::vector<bool> is_side(rims.size(), false);
+  std::optional<RoomBehind> room;
+  for (std::uint32_t p = 0; p < rims.size(); ++p) {
+    if (triangles[p].empty() || !is_one_curve(rims[p].next)) continue;
+    if (!room) room.emplace(surface);
+    const bool is_long =
+        rims[p].length_mm * rims[p].length_mm > kMaxLength * 4 * std::numbers::pi * areas_mm2[p];
+    is_side[p] = is_long || !room->is_deep(triangles[p], kMaxBent, kMinDepth * circle_radius(areas_mm2[p]));
+  }
+  return is_side;
+}
+
+/// Whether a piece beside sides ends a vessel: without patches the tops of steps may look like one.
+bool ends_between_sides(const RegionRim& rim, const RegionShape& shape) {
+  constexpr double kMaxAhead = 0.1, kMaxCosine = 0.3;
+  return rim.is_of_patch || (rim.ahead_mm <= kMaxAhead * rim.length_mm && shape.wall_cosine <= kMaxCosine);
+}
+
+}  // namespace
+
+std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const FeatureRegions& regions,
+                                       FlatSides sides) {
   std::vector<RegionShape> shapes(regions.count());
   add_triangles(surface, regions, shapes);
   const std::vector<bool> is_flat = flat_regions(surface, regions, shapes);
   const std::vector<std::uint32_t> plane_of = regions_of_planes(surface, regions, shapes, is_flat);
-  const std::vector<RegionRim> rims = rims_of(surface, regions, is_flat, plane_of);
+  std::vector<bool> is_side(shapes.size(), false);
+  std::vector<RegionRim> rims = rims_of(surface, regions, is_flat, plane_of, is_side);
+  if (sides == FlatSides::kAsWall) {
+    is_side = flat_sides(surface, regions, plane_of, rims);
+    rims = rims_of(surface, regions, is_flat, plane_of, is_side);
+  }
   for (std::size_t r = 0; r < shapes.size(); ++r) {
     const RegionRim& rim = rims[plane_of[r]];
     shapes[r].is_flat = is_flat[r];
+    shapes[r].is_side = is_side[plane_of[r]];
     shapes[r].is_like_end = is_flat[r] && rim.is_mostly_on_bent() && rim.ends_as_ends_do();
-    shapes[r].is_flat_end = shapes[r].is_like_end && (rim.on_flat_mm == 0 || rim.is_of_patch);
+    shapes[r].is_flat_end =
+        shapes[r].is_like_end && !shapes[r].is_side && (rim.on_flat_mm == 0 || rim.is_of_patch);
   }
   std::vector<std::vector<std::uint32_t>> ends(shapes.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
@@ -221,8 +273,10 @@ std::vector<RegionShape> region_shapes(const ClosedSurface& surface, const Featu
   parallel::for_each_index(shapes.size(), 1, [&](std::size_t i) {
     const auto r = static_cast<std::uint32_t>(i);
     if (!shapes[r].is_like_end) return;
+    const RegionRim& rim = rims[plane_of[r]];
     shapes[r].wall_cosine = cosine_of_wall(surface, regions, r, shapes[r], std::move(ends[r]));
-    if (rims[plane_of[r]].is_of_patch && shapes[r].wall_cosine > kAlongWall) shapes[r].is_flat_end = false;
+    if (rim.is_of_patch && lies_along_wall(shapes[r])) shapes[r].is_flat_end = false;
+    if (rim.on_side_mm > 0 && !ends_between_sides(rim, shapes[r])) shapes[r].is_flat_end = false;
   });
   return shapes;
 }

@@ -17,6 +17,8 @@ inline constexpr double kMaxBent = 0.05;
 /// Mean cosine of the wall around a flat patch beyond which this is a piece of the wall, as a strip along a
 /// tube or a flat plaque: 32 degrees.
 inline constexpr double kAlongWall = 0.85;
+/// Mean cosine of the triangles beyond its edges that says so, too: 45 degrees.
+inline constexpr double kAlongRim = 0.7;
 
 struct RegionShape {
   double area_mm2 = 0;
@@ -34,7 +36,12 @@ struct RegionShape {
                              // the wall leaves them square, 0.5 and more on the flat steps that voxels leave.
   double rim_cosine = 0;     // Mean cosine between the normal and those of the triangles beyond its edges.
   std::size_t rim_edges = 0;
+  bool is_side = false;  // A flat side of a vessel, which is no end.
 };
+
+[[nodiscard]] inline bool lies_along_wall(const RegionShape& shape) {
+  return shape.wall_cosine > kAlongWall || shape.rim_cosine > kAlongRim;
+}
 
 /// Whether edges, each with the vertex from which it goes to the next one, are one closed curve.
 [[nodiscard]] bool is_one_curve(const std::map<std::uint32_t, std::uint32_t>& next);
@@ -45,9 +52,17 @@ struct RegionShape {
                                     std::uint32_t region, const RegionShape& shape,
                                     std::vector<std::uint32_t> end);
 
+/// How flat sides of vessels count, such as those of channels and plates along tubes: flat pieces beside
+/// others that are much longer than wide, or less deep behind than one and a half of their radius.
+enum class FlatSides : std::uint8_t {
+  kAsFlat,  ///< Like all flat pieces.
+  kAsWall,  ///< Sides are no ends, and what is beside them is beside a wall.
+};
+
 /// Shapes of all regions.
 [[nodiscard]] std::vector<RegionShape> region_shapes(const ClosedSurface& surface,
-                                                     const FeatureRegions& regions);
+                                                     const FeatureRegions& regions,
+                                                     FlatSides sides = FlatSides::kAsFlat);
 
 /// Flat ends of which there are many, square or parallel to each other, and which the wall around leaves at a
 /// small angle: the steps that voxels leave all over a wall that is oblique to them; none if they are few.

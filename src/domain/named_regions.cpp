@@ -54,7 +54,7 @@ NamedRegions::NamedRegions(const SurfaceView& view, const SurfaceDomainOptions& 
 
 /// The patch of each region, and the ends among them.
 void NamedRegions::name_regions() {
-  std::vector<RegionShape> shapes = region_shapes(surface, regions);
+  std::vector<RegionShape> shapes = region_shapes(surface, regions, FlatSides::kAsWall);
   if (!has_named_patches) {
     leave_out_steps(shapes);
     leave_out_sides(shapes);
@@ -253,7 +253,7 @@ void NamedRegions::note_doubts(std::span<const RegionShape> shapes) {
           patch.name, 100 * flat.flat_mm2 / flat.area_mm2, fmt::join(flat.places, " and ")));
     const RegionShape& shape = shapes[flat.first_region];
     if (patch.kind == PatchKind::kWall && !is_wall_name(patch.name) && shape.is_like_end &&
-        !shape.is_flat_end && shape.wall_cosine > kAlongWall)
+        !shape.is_flat_end && lies_along_wall(shape))
       notes.push_back(fmt::format(
           "patch \"{}\" at {} is flat, but taken as wall, as the wall around goes on almost in its plane; "
           "where a vessel ends there, a cut before it makes an opening ({})",

@@ -26,6 +26,26 @@ bool RoomBehind::has_room(std::span<const std::uint32_t> end, double bent, doubl
   return free >= kMinFree;
 }
 
+bool RoomBehind::is_deep(std::span<const std::uint32_t> piece, double bent, double depth_mm) const {
+  constexpr int kPlaces = 16;
+  AreaSum all;
+  for (const std::uint32_t t : piece)
+    all.add(surface_.corner(t, 0), surface_.corner(t, 1), surface_.corner(t, 2));
+  const Vec3 normal = all.normal.stableNormalized();
+  const double under_mm = 1.2 * bent * circle_radius(all.normal.norm());
+  double before = 0;  // Area of the triangles so far.
+  int places = 0, free = 0;
+  for (const std::uint32_t t : piece) {
+    const Vec3 &a = surface_.corner(t, 0), &b = surface_.corner(t, 1), &c = surface_.corner(t, 2);
+    before += triangle_area(a, b, c);
+    if (before * kPlaces < (places + 0.5) * all.area) continue;
+    places = static_cast<int>(std::floor(before * kPlaces / all.area + 0.5));
+    const Vec3 place = triangle_centre(a, b, c);
+    free += is_free(place - under_mm * normal, place - depth_mm * normal) ? 1 : -1;
+  }
+  return free > 0;
+}
+
 double RoomBehind::widening_behind(std::span<const std::uint32_t> end) const {
   constexpr int kDirections = 16, kHalvings = 7;
   constexpr double kDepth = 0.5, kFarthest = 4;  // In radii.

@@ -20,6 +20,10 @@ class RoomBehind {
   /// on, of the radius: where a vessel is cut off by 70 degrees it does so by 0.62. Cost: about 10 us.
   [[nodiscard]] bool has_room(std::span<const std::uint32_t> end, double bent, double depth = 0.6) const;
 
+  /// Whether the object goes on behind half of a flat piece, seen from places spread over all of it.
+  /// @param depth_mm  How far. Cost: about 20 us.
+  [[nodiscard]] bool is_deep(std::span<const std::uint32_t> piece, double bent, double depth_mm) const;
+
   /// Area of the object's section parallel to an end, half its radius behind it, over the end's own; seen
   /// from the middle, up to four radii away. About 1 where a vessel ends, up to 3 where it narrows steeply;
   /// on a facet of the wall, behind which the vessel goes past, much more. Cost: about 100 us.

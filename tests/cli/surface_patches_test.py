@@ -4,6 +4,7 @@
 Usage: surface_patches_test.py LUMESH      Exit codes of lumesh: 2 bad input.
 """
 import json
+import math
 import pathlib
 import sys
 import unittest
@@ -101,6 +102,49 @@ class SurfacePatchesTest(SurfaceFilesTest):
         self.assertEqual(names, ["face_8", "face_9"])
         self.assertIn('patch "face_10"', told)
         self.assertIn("goes on almost in its plane", told)
+
+    def test_ends_between_flat_sides_are_openings(self):
+        """Channels, a tube with a flat bottom, and tubes with a strip or a plate all along, straight and bent."""
+        def bent(p):
+            return ((20 + p[0]) * math.cos(p[2] / 20), p[1], (20 + p[0]) * math.sin(p[2] / 20))
+
+        def circle(around, lowest):  # From the bottom on; what lies below is flat.
+            angles = [2 * math.pi * (i + 0.5) / around - math.pi / 2 for i in range(around)]
+            return [(4 * math.cos(a), 4 * math.sin(a)) for a in angles if 4 * math.sin(a) > lowest]
+
+        def channel(width, height):  # Three edges to each side.
+            corners = [(0, 0), (width, 0), (width, height), (0, height), (0, 0)]
+            return [(a[0] + k / 3 * (b[0] - a[0]), a[1] + k / 3 * (b[1] - a[1])) for a, b in zip(corners, corners[1:]) for k in range(3)]
+
+        sections = {"square": channel(4, 4), "flat channel": channel(6, 2),
+                    "half": circle(24, 0), "plate": circle(24, -3.2), "strip": circle(24, -9)}
+        rows = 24
+        for name, section in sections.items():
+            n = len(section)
+            middle = [sum(p[k] for p in section) / n for k in (0, 1)]
+            flat = [(*p, 30 * row / rows) for row in range(rows + 1) for p in section] + [(*middle, 0), (*middle, 30)]
+            wall = [t for row in range(rows) for i in range(n) for a, b in [(row * n + i, row * n + (i + 1) % n)]
+                    for t in ((a, b, b + n), (a, b + n, a + n))]
+            low = [((i + 1) % n, i, len(flat) - 2) for i in range(n)]
+            high = [(rows * n + i, rows * n + (i + 1) % n, len(flat) - 1) for i in range(n)]
+            area = abs(sum(p[0] * q[1] - p[1] * q[0] for p, q in zip(section, section[1:] + section[:1]))) / 2
+            edges = 3 if n == 12 else 1  # Of a side.
+            last = [11 if t // 2 % n >= n - edges else 7 for t in range(len(wall))]  # The side that ends in the first corner.
+            each = [20 + t // 2 % n // edges for t in range(len(wall))]
+            for points in (flat, [bent(p) for p in flat]):
+                for ids in (last, each) if n == 12 else (last,):
+                    for ends, triangles in (([8] * len(low) + [9] * len(high), wall + low + high), ([], wall)):
+                        with self.subTest(name, is_bent=points is not flat, is_each=ids is each, is_open=not ends):
+                            source = self.vtp(points, triangles, ModelFaceID=ids + ends)
+                            for options in ((), ("--extend", "1r")):
+                                openings = json.loads(self.run_well("info", source, "--json", *options).stdout)["openings"]
+                                wanted = ["face_8", "face_9"] if ends else ["inlet_1", "outlet_1"]
+                                self.assertEqual(sorted(o["name"] for o in openings), wanted)
+                                for opening in openings:
+                                    self.assertAlmostEqual(opening["area_mm2"] / area, 1, delta=0.01)
+                bare = self.vtp(points, wall + low + high, ModelFaceID=[1] * len(wall + low + high))
+                openings = json.loads(self.run_well("info", bare, "--json").stdout)["openings"]
+                self.assertEqual([round(o["area_mm2"] / area, 2) for o in openings], [1, 1], name)
 
     def test_the_face_of_a_step_is_no_opening(self):
         profile = [(0, 1), (4, 1), (4, 0), (10, 0), (10, 2), (4, 2), (0, 2)]  # Of a channel that widens at x = 4.
