@@ -6,21 +6,24 @@
 #include <string>
 #include <string_view>
 
-#include "lumesh/mesh/length_unit.hpp"
+#include "lumesh/core/trimmed.hpp"
 
 namespace lumesh::io {
 
 namespace {
 
-/// Text after "key=" at the beginning of a word, up to the next space.
-std::string_view value_of(std::string_view text, std::string_view key) {
-  constexpr std::string_view kEnds(" \t\r\n;\0", 6);
+constexpr std::string_view kEnds(" \t\r\n;#\0", 7);  // Of words.
+
+/// Text after "key=" at the beginning of a word, up to the next space, in lower case. Spaces may be before
+/// it.
+std::string value_of(const std::string& text, std::string_view key) {
   for (std::size_t at = text.find(key); at != std::string_view::npos; at = text.find(key, at + 1)) {
     if (at > 0 && kEnds.find(text[at - 1]) == std::string_view::npos) continue;
-    const std::string_view rest = text.substr(at + key.size());
-    return rest.substr(0, std::min(rest.size(), rest.find_first_of(kEnds)));
+    const std::size_t begin = text.find_first_not_of(" \t", at + key.size());
+    if (begin == std::string::npos) return "";
+    return text.substr(begin, std::min(text.size(), text.find_first_of(kEnds, begin)) - begin);
   }
-  return {};
+  return "";
 }
 
 }  // namespace
@@ -30,9 +33,11 @@ std::string unit_and_frame(const MeshInfo& info) {
 }
 
 void read_unit_and_frame(std::string_view comment, MeshInfo& info) {
-  if (const std::string_view unit = value_of(comment, "UNIT="); unit_in_mm(unit) > 0) info.unit = unit;
-  if (const std::string_view frame = value_of(comment, "SPACE="); frame == "LPS" || frame == "RAS")
-    info.frame = frame;
+  const std::string text = lower_case(std::string(comment));
+  if (const std::string unit = value_of(text, "unit="); !unit.empty()) info.unit = unit;
+  const std::string frame = value_of(text, "space=");
+  if (frame == "lps") info.frame = "LPS";
+  if (frame == "ras") info.frame = "RAS";
 }
 
 }  // namespace lumesh::io

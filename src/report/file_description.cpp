@@ -216,6 +216,7 @@ void add_openings_of_surface(const DescriptionRequest& request, json& all, Conte
     if (!given.closed.empty()) all["would_close"] = tidied(closed_json(given.closed));
     const std::vector<Opening> openings = openings_of(patched.flat_ends(), patched.resolution_mm());
     all["openings"] = describe_openings(openings);
+    if (all["frame"] != MeshInfo().frame) all["openings_frame"] = MeshInfo().frame;
     warn_of_unit(given, openings, unit, path, context);
     for (const std::string& note : patched.patch_notes()) context.warn(note);
     const std::string warning = closed_surface_warning(patched.patches(), patched.flat_ends());

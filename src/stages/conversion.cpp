@@ -17,6 +17,7 @@ namespace {
 MixedMesh read_with_boundary(const std::string& path, const std::string& unit, Context& context) {
   MixedMesh mesh = context.phase("read", [&] { return read_surface_file(path, "", context); });
   if (!unit.empty()) mesh.info.unit = unit;
+  warn_of_unknown_unit(mesh.info, path, context);
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   return mesh;
 }

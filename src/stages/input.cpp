@@ -102,6 +102,23 @@ std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openin
   return unit_doubt(surface, openings, bounding_box(surface.points));
 }
 
+void warn_of_unknown_unit(const MeshInfo& info, const std::filesystem::path& path, const Context& context) {
+  if (unit_in_mm(info.unit) == 0)
+    context.warn(
+        fmt::format("{}: its unit is \"{}\", which is not known: its lengths are taken as mm; {} says "
+                    "that they are in mm, cm, m or um",
+                    path.string(), info.unit, option_name("unit")));
+}
+
+void warn_of_unit_and_frame(const MeshInfo& info, const std::filesystem::path& path, const Context& context) {
+  warn_of_unknown_unit(info, path, context);
+  if (info.frame == "RAS")
+    context.warn(
+        fmt::format("{}: its coordinates are RAS; places are told, and options of places taken, in "
+                    "LPS: x and y have the other sign",
+                    path.string()));
+}
+
 void warn_of_unit(const SurfaceInput& surface, std::span<const Opening> openings, const std::string& unit,
                   const std::filesystem::path& path, const Context& context) {
   if (!unit.empty()) return;

@@ -211,6 +211,7 @@ MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path, const Co
   if (mesh.view().cell_count() > 0)
     throw Error(ErrorKind::kBadInput,
                 path.string() + ": is a mesh of a volume; give its surface alone, such as a .stl or .vtp");
+  warn_of_unit_and_frame(mesh.info, path, context);
   bring_to_lps_mm(mesh);
   split_quadrilaterals(mesh);
   if (const double apart = surfaces::join_torn_corners(mesh.points, mesh.triangles); apart > 0)

@@ -31,6 +31,37 @@ class SurfacesTest(SurfaceFilesTest):
             self.assertIn(f"capped {end['name']}: radius", out)
         self.assertEqual({p["name"] for p in self.info(mesh)["patches"]}, {"wall", "inlet_1", "outlet_1"})
 
+    def test_units_and_frames_of_files_are_followed_or_told(self):
+        source = self.stl("tube.stl", *tube())
+        text = source.read_text()
+
+        def told(comment, *options, command="info"):
+            source.write_text(text.replace("solid vessel", f"solid {comment}", 1))
+            run = self.run_well(command, source, "--json", *options)
+            return (json.loads(run.stdout) if command == "info" else None), run.stderr
+
+        area = told("")[0]["openings"][0]["area_mm2"]
+        for comment, factor in (("UNIT=CM", 10), ("unit=Cm", 10), ("UNIT=M", 1000), ("UNIT=Um", 0.001)):
+            found, lines = told(comment)
+            self.assertAlmostEqual(found["openings"][0]["area_mm2"] / area / factor**2, 1, places=6)
+            self.assertNotIn("not known", lines)
+        for comment, word in (("UNIT=inch", "inch"), ("UNIT=In", "in")):
+            found, lines = told(comment)
+            self.assertIn(f'its unit is "{word}", which is not known: its lengths are taken as mm; --unit says', lines)
+            self.assertAlmostEqual(found["openings"][0]["area_mm2"] / area, 1, places=9)
+            self.assertNotIn("not known", told(comment, "--unit", "cm")[1])
+        source.write_text(text.replace("solid vessel", "solid UNIT=inch", 1))
+        for command, *rest in (("delaunay", "-o", self.folder / "t.vtu"), ("repair", "-o", self.folder / "r.stl"), ("check",),
+                               ("centerline", "-o", self.folder / "c.vtp")):
+            self.assertIn('its unit is "inch"', self.run_lumesh(command, source, *rest).stderr, command)
+        self.assertIn('its unit is "inch"', self.run_well("convert", source, self.folder / "s.off").stderr)
+        found, lines = told("SPACE=ras")
+        self.assertEqual((found["frame"], found["openings_frame"]), ("RAS", "LPS"))
+        self.assertIn("its coordinates are RAS; places are told, and options of places taken, in LPS", lines)
+        found, lines = told("SPACE=LPS")
+        self.assertNotIn("openings_frame", found)
+        self.assertNotIn("RAS", lines)
+
     def test_caps_are_planar_where_the_wall_of_another_vessel_passes(self):
         """Within a twentieth of the radius of the first vessel's rims."""
         points, triangles = tube(length=20, around=36)

@@ -34,6 +34,11 @@ void edit_image(const ImageSelection& selection, Context& context, LabelImage& i
 /// of the coordinates' unit.
 [[nodiscard]] SymTensor in_frame(const SymTensor& metric, const Vec3& factors);
 
+/// Warns of a unit that is not known. @param info  Of the file, or with the unit that the user says.
+void warn_of_unknown_unit(const MeshInfo& info, const std::filesystem::path& path, const Context& context);
+/// Warns of that, and that places are told in LPS where the file's are RAS.
+void warn_of_unit_and_frame(const MeshInfo& info, const std::filesystem::path& path, const Context& context);
+
 /// Doubt about a surface so small, large or thin that its coordinates are hardly mm; empty otherwise.
 /// @param given_mm  Around what was read, before cuts and extensions.
 [[nodiscard]] std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openings,
