@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "lumesh/core/angles.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -28,8 +29,9 @@ using layers::SweptSection;
 
 class Extruder {
  public:
-  Extruder(const MixedMesh& mesh, LayerCells cells, const std::optional<LocalLength>& transition)
-      : cells_(cells), transition_(transition) {
+  Extruder(const MixedMesh& mesh, LayerCells cells, const std::optional<LocalLength>& transition,
+           const AxisOfEnd& axis_of_end)
+      : cells_(cells), transition_(transition), axis_of_end_(axis_of_end) {
     result_.mesh = mesh;
     wall_edge_mm_ = mean_wall_edge_mm();
   }
@@ -39,10 +41,12 @@ class Extruder {
     std::vector<bool> is_done(patches().size(), false);
     for (std::size_t p = 0; p < patches().size(); ++p) {
       if (patches()[p].kind != PatchKind::kOpening || is_done[p]) continue;
-      const SweptSection section = SectionFinder(mesh()).section_at(static_cast<std::int32_t>(p));
+      SweptSection section = SectionFinder(mesh()).section_at(static_cast<std::int32_t>(p));
       for (const std::int32_t q : section.patches) is_done[static_cast<std::size_t>(q)] = true;
-      if (const double length_mm = wanted_mm(section, lengths); length_mm > 0 && !section.faces.empty())
-        extend(section, length_mm);
+      if (const double length_mm = wanted_mm(section, lengths); length_mm > 0 && !section.faces.empty()) {
+        take_axis_of_end(section);
+        extend(std::move(section), length_mm);
+      }
     }
     return std::move(result_);
   }
@@ -79,6 +83,23 @@ class Extruder {
     std::vector<std::string> names;
     for (const std::int32_t p : s.patches) names.push_back(patch(p).name);
     return length_wanted_mm(lengths, names, s.radius_mm);
+  }
+
+  /// Rough walls lead an extension off the vessel.
+  void take_axis_of_end(SweptSection& s) {
+    constexpr double kMinCosine = 0.985, kMinOfNormal = 0.4;  // The first is that of 10 degrees.
+    if (!s.is_rough || !axis_of_end_) return;
+    const std::optional<Vec3> axis = axis_of_end_(s.centre_mm, s.normal, s.radius_mm);
+    if (!axis || axis->dot(s.normal) < kMinOfNormal) return;
+    const double cosine = std::min(1.0, axis->dot(s.axis));
+    if (s.is_clear && cosine < kMinCosine)
+      result_.notes.push_back(fmt::format(
+          "{}: the extension of {} goes on along the centres of sections before it, {:.0f} degrees off the "
+          "direction of the walls, which are rough; look at it, or smooth the surface before",
+          option_name("extend"), patch(s.patches[0]).name, degrees(std::acos(cosine))));
+    s.radius_mm *= std::sqrt(axis->dot(s.normal) / s.axis.dot(s.normal));
+    s.axis = *axis;
+    s.is_clear = true;
   }
 
   void extend(SweptSection s, double length_mm) {
@@ -297,6 +318,7 @@ class Extruder {
 
   LayerCells cells_;
   std::optional<LocalLength> transition_;
+  const AxisOfEnd& axis_of_end_;
   ExtrudedMesh result_;
   double wall_edge_mm_ = 0;      // The mean, before anything is extended.
   std::uint32_t first_new_ = 0;  // Of the sweep that is being made.
@@ -305,8 +327,8 @@ class Extruder {
 }  // namespace
 
 ExtrudedMesh extrude_openings(const MixedMesh& mesh, std::span<const NamedLength> lengths, LayerCells cells,
-                              const std::optional<LocalLength>& transition) {
-  return Extruder(mesh, cells, transition).make(lengths);
+                              const std::optional<LocalLength>& transition, const AxisOfEnd& axis_of_end) {
+  return Extruder(mesh, cells, transition, axis_of_end).make(lengths);
 }
 
 }  // namespace lumesh

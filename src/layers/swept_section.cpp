@@ -166,6 +166,7 @@ Vec3 SectionFinder::axis_at(SweptSection& s) const {
   WallDirection axis = wall_direction(s, s.reach_mm);
   if (axis.left > kClear)  // Something may join the vessel further in.
     if (const WallDirection near = wall_direction(s, 0.5 * s.reach_mm); near.left < axis.left) axis = near;
+  s.is_rough = axis.left > kClear;
   s.is_clear = axis.left < kUnclear && axis.along.dot(s.normal) > kMinCos;
   return s.is_clear && axis.along.dot(s.normal) < kSquare ? axis.along : s.normal;
 }

@@ -29,7 +29,8 @@ struct SweptSection {
   /// Where it becomes a circle: over this length, and then so many times as far from the axis, by vertex.
   double transition_mm = 0;
   std::vector<double> of_circle = {};
-  bool is_clear = true;  // Whether the walls say the axis.
+  bool is_clear = true;   // Whether the walls say the axis.
+  bool is_rough = false;  // Whether they say it badly.
   WallRamp ramp = {Vec3::UnitZ(), 1};
 
   /// The place of a vertex that has gone so far along the axis.

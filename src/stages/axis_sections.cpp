@@ -333,6 +333,21 @@ AxisDirection axis_by_sections(const SectionOf& section_of, const CutPlane& gues
   return found;
 }
 
+std::optional<Vec3> axis_before_end(const MixedMesh& mesh, const Vec3& centre_mm, const Vec3& normal,
+                                    double radius_mm) {
+  constexpr double kFirst = 0.1, kStep = 0.25, kDepth = 2, kLeast = 1;  // Radii.
+  constexpr double kMaxError = 0.1;                                     // Slope.
+  const SectionOf section_of = [&](const CutPlane& plane, double reach_mm) {
+    return section_of_surface(mesh, plane, reach_mm);
+  };
+  const CutPlane first{centre_mm - kFirst * radius_mm * normal, normal};
+  const SectionRow row = SectionWalk(section_of, first, radius_mm, kStep * radius_mm, 0)
+                             .run(static_cast<int>(std::lround(kDepth / kStep)), 0);
+  if (row.heights_mm.empty() || row.heights_mm.front() > -kLeast * radius_mm) return std::nullopt;
+  const FittedSlope fit = fitted_slope(row, 0);
+  return fit.error > kMaxError ? std::nullopt : std::optional<Vec3>(fit.slope.normalized());
+}
+
 std::optional<Vec3> axis_of_both(const Vec3& by_line, const AxisDirection& by_sections) {
   constexpr double kErrorOfLine = 0.04, kMaxError = 0.05, kMaxOff = 3;  // The last in standard deviations.
   using Doubt = AxisDirection::Doubt;

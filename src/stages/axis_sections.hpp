@@ -62,6 +62,12 @@ struct AxisDirection {
 [[nodiscard]] AxisDirection axis_by_sections(const SectionOf& section_of, const CutPlane& guess,
                                              double radius_mm, double layer_mm, double chance_mm);
 
+/// The direction in which a vessel of a closed surface goes out of a flat end: the tangent there of the curve
+/// of the centres of sections parallel to the end, over two radii before it. None where they are not those of
+/// one vessel over a radius, or scatter.
+[[nodiscard]] std::optional<Vec3> axis_before_end(const MixedMesh& mesh, const Vec3& centre_mm,
+                                                  const Vec3& normal, double radius_mm);
+
 /// The direction of the axis by its line and by sections: their mean by their errors, and by the sections
 /// alone where both disagree; by the line alone where sections are too few. None where vessels join, or where
 /// both disagree and sections scatter.

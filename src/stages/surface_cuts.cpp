@@ -193,7 +193,10 @@ void extend_ends(const PatchedSurface& patched, const ExtensionOptions& extensio
   surface.beginnings = openings_of(patched.flat_ends(), surface.resolution_mm);
   take_patches_of(patched, surface.mesh);
   ExtrudedMesh made =
-      extrude_openings(surface.mesh, extension.lengths, LayerCells::kTetrahedra, extension.transition);
+      extrude_openings(surface.mesh, extension.lengths, LayerCells::kTetrahedra, extension.transition,
+                       [&](const Vec3& centre_mm, const Vec3& normal, double radius_mm) {
+                         return axis_before_end(surface.mesh, centre_mm, normal, radius_mm);
+                       });
   for (const std::span<const std::string> notes :
        {patched.patch_notes(), std::span(std::as_const(made.notes))})
     for (const std::string& note : notes) context.warn(note);

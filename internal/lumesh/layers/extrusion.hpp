@@ -1,6 +1,7 @@
 #pragma once
 /// @file Flow extensions of a mesh that exists: its openings swept straight on.
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +17,11 @@ struct ExtrudedMesh {
   MixedMesh mesh;
   std::vector<std::string> notes;  ///< Extensions that are not as long as asked for.
 };
+
+/// The unit direction in which a vessel goes out of an end, from its centre, unit normal and radius; none
+/// where it cannot be told.
+using AxisOfEnd =
+    std::function<std::optional<Vec3>(const Vec3& centre_mm, const Vec3& normal, double radius_mm)>;
 
 /// Sweeps openings of a mesh along the axes of their vessels by rows of prisms, of hexahedra where the
 /// opening has quadrilaterals; what the mesh has stays to the last bit, in front. Openings that touch in one
@@ -35,9 +41,12 @@ struct ExtrudedMesh {
 /// @param cells  kTetrahedra: prisms are split, where the opening has triangles only.
 /// @param transition  Over this length the section becomes a circle of its area by a smooth ramp, about the
 /// centre of its area; a section that is not star-shaped from there stays, with a note. None: sections stay.
+/// @param axis_of_end  Is asked where the walls do not fit well, as those drawn around voxels; a note tells
+/// where both differ by more than 10 degrees.
 /// @throws Error{kBadInput} for a name that no opening has, and an opening that is not flat.
 [[nodiscard]] ExtrudedMesh extrude_openings(const MixedMesh& mesh, std::span<const NamedLength> lengths,
                                             LayerCells cells,
-                                            const std::optional<LocalLength>& transition = std::nullopt);
+                                            const std::optional<LocalLength>& transition = std::nullopt,
+                                            const AxisOfEnd& axis_of_end = {});
 
 }  // namespace lumesh

@@ -239,6 +239,58 @@ TEST_F(SurfaceCuts, AnExtensionFollowsAVesselThatBendsAndTapersToAnObliqueEnd) {
   EXPECT_TRUE(told_.empty());
 }
 
+/// The boundary of the voxels of 0.5 mm within 2.2 mm of an axis through the origin, up to 12 mm to both
+/// sides, with each vertex in the middle of its neighbours: stairs as marching cubes leave them.
+TriangleSoup stairs_around(const Vec3& axis) {
+  constexpr double kVoxel = 0.5;
+  constexpr int kReach = 26;
+  const auto is_inside = [&](const Index3& v) {
+    const Vec3 x = kVoxel * v.cast<double>() + Vec3(0.11, 0.07, 0.13);
+    return std::abs(x.dot(axis)) < 12 && (x - x.dot(axis) * axis).norm() < 2.2;
+  };
+  TriangleSoup soup;
+  std::map<std::tuple<int, int, int>, std::uint32_t> numbers;
+  const auto number = [&](const Index3& corner) {
+    const auto [at, is_new] = numbers.try_emplace({corner.x(), corner.y(), corner.z()},
+                                                  static_cast<std::uint32_t>(soup.points.size()));
+    if (is_new) soup.points.emplace_back(kVoxel * (corner.cast<double>() - Vec3::Constant(0.5)));
+    return at->second;
+  };
+  for (int z = -kReach; z <= kReach; ++z)
+    for (int y = -kReach; y <= kReach; ++y)
+      for (int x = -kReach; x <= kReach; ++x)
+        for (int side = 0; side < 6 && is_inside({x, y, z}); ++side) {
+          const int along = side % 3, sign = side < 3 ? 1 : -1;
+          if (is_inside(Index3(x, y, z) + sign * Index3::Unit(along))) continue;
+          const Index3 u = Index3::Unit((along + (sign > 0 ? 1 : 2)) % 3),
+                       v = Index3::Unit((along + (sign > 0 ? 2 : 1)) % 3);
+          const Index3 first = Index3(x, y, z) + (sign > 0 ? 1 : 0) * Index3::Unit(along);
+          const std::uint32_t a = number(first), b = number(first + u), c = number(first + u + v),
+                              d = number(first + v);
+          soup.triangles.push_back({a, b, c});
+          soup.triangles.push_back({a, c, d});
+        }
+  std::vector<Vec3> sums(soup.points.size(), Vec3::Zero());
+  std::vector<int> counts(soup.points.size(), 0);
+  for (const Cell<3>& t : soup.triangles)
+    for (std::size_t i = 0; i < 3; ++i) sums[t[i]] += soup.points[t[(i + 1) % 3]], ++counts[t[i]];
+  for (std::size_t i = 0; i < sums.size(); ++i) soup.points[i] = sums[i] / counts[i];
+  return soup;
+}
+
+TEST_F(SurfaceCuts, ExtensionsOfStairSurfacesFollowTheVessel) {
+  for (const Vec3& given : {Vec3(0.42, 0.1, 0.9), Vec3(0.3, 0.3, 0.85)}) {
+    const Vec3 axis = given.normalized();
+    InputCuts cuts;
+    cuts.planes = {{8 * axis, axis + 0.4 * axis.unitOrthogonal()}, {-8 * axis, -axis}};
+    cuts.extension.lengths = named_lengths_from("4r");
+    const auto domain = read(stairs_around(axis), cuts).domain({});
+    ASSERT_EQ(domain->flat_ends().size(), 2U);
+    for (const FlatEnd& end : domain->flat_ends())
+      EXPECT_GT(std::abs(end.normal.dot(axis)), std::cos(2 * kPi / 180)) << given.transpose() << end.name;
+  }
+}
+
 TEST_F(SurfaceCuts, AnEndThatIsClippedKeepsItsName) {
   const TriangleSoup soup = soup_of(bent());
   const std::filesystem::path path = write(soup);
