@@ -204,13 +204,13 @@ Outside::Outside(std::span<const Vec3> points, const std::vector<Cell<3>>& trian
 
 LayerProfile::LayerProfile(std::vector<double> levels, Shortening shortening)
     : levels_(std::move(levels)), shortening_(shortening) {
-  constexpr double kOfFirst = 0.995;
+  constexpr double kOfFirst = 0.995, kOfLast = 0.5;
   if (shrinks()) return;
   double equal = 0, before = 0;
   for (const double level : levels_) {
     equal += levels_.front();
-    const double least = shortening == Shortening::kDropEarly ? std::max(before, equal) : equal;
-    least_.push_back(std::min(level, least));
+    least_.push_back(shortening == Shortening::kDropEarly ? before + kOfLast * (level - before)
+                                                          : std::min(level, equal));
     before = level;
   }
   least_.front() = kOfFirst * levels_.front();
@@ -240,6 +240,7 @@ double LayerProfile::upper_end(const Filling& column, int k) const {
   if (k < 0) return 0;
   if (k + 1 >= column.count) return column.fraction;
   if (shrinks()) return column.fraction * level(k + 1);
+  if (shortening_ == Shortening::kDropEarly) return level(k + 1);
   const double equal = (k + 1) * levels_.front();
   return equal + column.of_excess * (level(k + 1) - equal);
 }
