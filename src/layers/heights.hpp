@@ -34,7 +34,7 @@ class LayerProfile {
     kAllLayers,  ///< Every layer stays, in proportion to the length.
     kDropLate,   ///< The first has its height; those over it lose theirs until all are as high as the first,
                  ///< before the outermost goes.
-    kDropEarly,  ///< Heights are as wanted, but the outermost one's, which falls to half before it goes.
+    kDropEarly,  ///< The outermost loses height, down to half of it, before it goes.
   };
   LayerProfile() = default;
   /// @param levels  Upper end of each layer of a complete column; the last is 1.

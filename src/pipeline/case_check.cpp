@@ -84,16 +84,17 @@ void require_one_mesher(const Case& c) {
 
 /// Refuses a key before the first section together with one of the mesher's section that it stands for.
 void require_one_size(const Case& c) {
-  const auto require_one = [](bool has_first, const char* first, bool has_own, const char* own) {
-    if (has_first && has_own)
-      throw_bad_case(fmt::format("{} and {} exclude each other; give one of them", first, own));
+  const auto require_one = [](bool has_both, const char* first, const char* own, const char* remedy) {
+    if (has_both) throw_bad_case(fmt::format("{} and {} exclude each other; {}", first, own, remedy));
   };
+  constexpr const char* kZero = "give one of them (0 leaves one out)";
   const bool has_edge = c.edge_length_mm > 0;
-  require_one(has_edge, "edge_length", c.lattice.spacing_mm > 0, "[lattice] edge_length");
-  require_one(has_edge, "edge_length", c.delaunay.delaunay.edge_length_mm > 0, "[delaunay] edge_length");
-  require_one(has_edge, "edge_length", c.delaunay.delaunay.delta_mm > 0, "[delaunay] delta");
-  require_one(c.cells_per_diameter > 0, "cells_per_diameter", c.lattice.fidelity != LatticeOptions().fidelity,
-              "[lattice] fidelity");
+  const DelaunayOptions& delaunay = c.delaunay.delaunay;
+  require_one(has_edge && c.lattice.spacing_mm > 0, "edge_length", "[lattice] edge_length", kZero);
+  require_one(has_edge && delaunay.edge_length_mm > 0, "edge_length", "[delaunay] edge_length", kZero);
+  require_one(has_edge && delaunay.delta_mm > 0, "edge_length", "[delaunay] delta", kZero);
+  require_one(c.cells_per_diameter > 0 && c.lattice.fidelity != LatticeOptions().fidelity,
+              "cells_per_diameter", "[lattice] fidelity", "give one of them");
 }
 
 /// Names of the keys of a section that a file or the command line gives, but for those whose value is the

@@ -97,7 +97,8 @@ bool Case::needs_centerline() const {
 }
 
 std::string Case::with_keys(const std::string& message) const {
-  return pipeline::with_case_keys(message, pipeline::sections_of(pipeline::CaseStage::kMesh, mesher));
+  return pipeline::with_case_keys(message, pipeline::sections_of(pipeline::CaseStage::kMesh, mesher),
+                                  pipeline::size_key_of(*this));
 }
 
 namespace pipeline {
@@ -133,8 +134,20 @@ std::vector<CaseFileRead> files_read_by(const Case& c) {
   return files;
 }
 
-std::string with_case_keys(const std::string& message, const std::vector<std::string>& sections) {
-  return with_spelled_options(message, [&](std::string_view name) { return key_called(name, sections); });
+std::string size_key_of(const Case& c) {
+  const bool is_lattice = c.mesher == Mesher::kLattice;
+  if (is_lattice && c.lattice.spacing_mm > 0) return "[lattice] edge_length";
+  if (!is_lattice && c.delaunay.delaunay.delta_mm > 0) return "[delaunay] delta";
+  if (!is_lattice && c.delaunay.delaunay.edge_length_mm > 0) return "[delaunay] edge_length";
+  return "edge_length";
+}
+
+std::string with_case_keys(const std::string& message, const std::vector<std::string>& sections,
+                           const std::string& size_key) {
+  return with_spelled_options(message, [&](std::string_view name) {
+    const bool is_size = name == "edge_length" || name == "delta" || name == "spacing";
+    return is_size && !size_key.empty() ? size_key : key_called(name, sections);
+  });
 }
 
 }  // namespace pipeline

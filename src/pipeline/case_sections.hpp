@@ -16,9 +16,13 @@ namespace lumesh::pipeline {
 [[nodiscard]] std::string key_called(std::string_view option, const std::vector<std::string>& sections);
 
 /// A message of a stage with the names of options as case files have them.
-/// @param sections  Of the stage; options of others are looked for after these.
-[[nodiscard]] std::string with_case_keys(const std::string& message,
-                                         const std::vector<std::string>& sections);
+/// @param sections  Of the stage; options of others are looked for after these. @param size_key  Key for
+/// options of the size of edges, if not empty: size_key_of() the case.
+[[nodiscard]] std::string with_case_keys(const std::string& message, const std::vector<std::string>& sections,
+                                         const std::string& size_key = {});
+
+/// The key of a case for the edges of the first mesh: the one that is given, else "edge_length".
+[[nodiscard]] std::string size_key_of(const Case& c);
 
 /// A file that a case reads.
 struct CaseFileRead {

@@ -175,12 +175,12 @@ class CaseRun {
     try {
       make(report);
     } catch (const Error& error) {
-      throw Error(error.kind(), with_case_keys(error.what(), sections));
+      throw Error(error.kind(), with_case_keys(error.what(), sections, size_key_of(state_.c)));
     }
     report.seconds = seconds_since(start);
     add_steps(report, phases);
     for (std::string& warning : report.warnings) {
-      warning = with_case_keys(warning, sections);
+      warning = with_case_keys(warning, sections, size_key_of(state_.c));
       state_.context.warn(warning);
     }
     say(names_of(which).word, report.seconds, counts_line(report));

@@ -13,7 +13,7 @@
 
 namespace lumesh {
 
-/// What a plane cuts out of one vessel.
+/// The cut of a plane through one vessel.
 struct VesselSection {
   Vec3 centre_mm = Vec3::Zero();
   double area_mm2 = 0;

@@ -146,7 +146,11 @@ TEST_F(CaseFile, RefusesWhatContradictsItself) {
     const std::string section(own, std::string_view(own).find(']') + 1), key(own + section.size() + 1);
     const std::string mesher = section == "[lattice]" ? "mesher = \"lattice\"\n" : "";
     EXPECT_EQ(refusal("edge_length = 0.5\n" + mesher + head + section + "\n" + key + " = 0.6\n"),
-              std::string("a.toml: edge_length and ") + own + " exclude each other; give one of them");
+              std::string("a.toml: edge_length and ") + own +
+                  " exclude each other; give one of them (0 leaves one out)");
+    EXPECT_EQ(refusal("edge_length = 0.5\n" + mesher + head + section + "\n" + key + " = 0.6\n",
+                      {section.substr(1, section.size() - 2) + "." + key + "=0"}),
+              "accepted");
   }
   EXPECT_EQ(refusal("cells_per_diameter = 8\nmesher = \"lattice\"\n" + head + "[lattice]\nfidelity = 0.9\n"),
             "a.toml: cells_per_diameter and [lattice] fidelity exclude each other; give one of them");
@@ -246,10 +250,12 @@ TEST_F(CaseFile, ASettingThatIsNoneSaysHowToWriteIt) {
 
 TEST_F(CaseFile, MessagesNameItsKeys) {
   Case c = read("[input]\nphantom = \"torus\"\n");
-  EXPECT_EQ(c.with_keys("a smaller `edge_length` makes more"), "a smaller [delaunay] edge_length makes more");
+  EXPECT_EQ(c.with_keys("`edge_length`, `first_height`, `x`"), "edge_length, [layers] first_height, `x`");
+  c.delaunay.delaunay.delta_mm = 2;  // The key that the case has: another one would be refused.
+  EXPECT_EQ(c.with_keys("a smaller `edge_length` makes more"), "a smaller [delaunay] delta makes more");
   c.mesher = Mesher::kLattice;
-  EXPECT_EQ(c.with_keys("`edge_length`, `first_height`, `x`"),
-            "[lattice] edge_length, [layers] first_height, `x`");
+  c.lattice.spacing_mm = 2;
+  EXPECT_EQ(c.with_keys("a smaller `delta` makes more"), "a smaller [lattice] edge_length makes more");
 }
 
 TEST_F(CaseFile, RefusesKeysForAnotherKindOfInput) {
@@ -301,7 +307,7 @@ time_limit = 5
   EXPECT_NE(refusal(text, {"adapt.boundary=none"}).find("must be one of"), std::string::npos);
 }
 
-/// As warnings write a place: "cut it square with [input] cut_at 1,-2.5,0.1".
+/// Warnings write a place so: "cut it square with [input] cut_at 1,-2.5,0.1".
 TEST_F(CaseFile, OneRowOfNumbersIsAListOrATextByItself) {
   const std::string head = "[input]\nphantom = \"torus\"\n";
   const std::vector<Vec3> place = {{1, -2.5, 0.1}};
