@@ -128,6 +128,11 @@ template <class... Args>
 void say(const RunOptions& options, fmt::format_string<Args...> format, Args&&... args) {
   if (options.quiet == 0) print_out(format, std::forward<Args>(args)...);
 }
+/// A line that pipes see at once, too.
+inline void say_line(const RunOptions& options, std::string_view line) {
+  say(options, "{}\n", line);
+  std::fflush(stdout);
+}
 
 /// One warning line on stderr.
 void print_warning(std::string_view text);

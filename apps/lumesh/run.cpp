@@ -37,9 +37,7 @@ void run(const RunCommand& command, const Case& c, const std::string& json_path)
   options.time_limit_s = c.run.time_limit_s;
   options.with_keys = [&c](const std::string& message) { return c.with_keys(message); };
   CommandRun session(options);
-  // Pipes see each stage when it is done, too.
-  session.context.report_info_to(
-      [&](std::string_view line) { say(command.run, "{}\n", line), std::fflush(stdout); });
+  session.context.report_info_to([&](std::string_view line) { say_line(command.run, line); });
   if (command.only_predicts) return say(command.run, "{}", predict_case(c, session.context).text());
   const LongRun long_run(options);
   const CaseResult result = run_case(c, session.context);

@@ -99,9 +99,9 @@ void turn_outwards(ClosedSurface& surface) {
   const Parts parts = turn_parts_alike(surface);
   const std::vector<Shell> shells = shells_of(surface.points, surface.triangles, parts);
   const auto is_flat = [](const Shell& shell) { return shell.volume_mm3 == 0; };
-  if (std::ranges::all_of(shells, is_flat))
-    throw_bad_surface("the surface is flat and encloses nothing, such as at " +
-                      coordinates_text(shells.front().place_mm) + " mm");
+  if (!shells.empty() && std::ranges::all_of(shells, is_flat))
+    throw_bad_surface("the surface encloses nothing, such as at " +
+                      coordinates_text(shells.front().place_mm) + " mm: its volume is 0");
   for (const Shell& shell : shells)
     if (is_flat(shell))
       throw_bad_surface("the surface encloses nothing at " + coordinates_text(shell.place_mm) +

@@ -210,10 +210,6 @@ void measure_rims(const ClosedSurface& surface, const FeatureRegions& regions,
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// Planes that are sides of vessels rather than their ends.
 std::vector<bool> flat_sides(const ClosedSurface& surface, const FeatureRegions& regions,
                              const std::vector<std::uint32_t>& plane_of, std::span<const RegionRim> rims) {

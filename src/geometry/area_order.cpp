@@ -1,6 +1,8 @@
 #include "lumesh/geometry/area_order.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "lumesh/geometry/triangle.hpp"
@@ -12,6 +14,7 @@ namespace {
 template <class IsNear, class Visit>
 void for_each_run(std::span<std::size_t> items, const IsNear& is_near, const Visit& visit) {
   for (std::size_t begin = 0, end = 0; begin < items.size(); begin = end) {
+    ++end;  // The first is of its run, whatever is_near() says.
     while (end < items.size() && is_near(items[begin], items[end])) ++end;
     visit(items.subspan(begin, end - begin));
   }
@@ -28,10 +31,19 @@ void sort_by_place(std::span<const AreaAtPlace> all, int axis, double reach_mm,
       [&](std::span<std::size_t> run) { sort_by_place(all, axis - 1, reach_mm, run); });
 }
 
+/// Numbers that can be compared, for what overflows in surfaces of absurd size.
+AreaAtPlace finite(const AreaAtPlace& item) {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  const auto clamped = [&](double x) { return std::isnan(x) ? kMost : std::clamp(x, -kMost, kMost); };
+  return {clamped(item.area_mm2), item.centre_mm.unaryExpr(clamped)};
+}
+
 }  // namespace
 
-std::vector<std::size_t> order_by_area(std::span<const AreaAtPlace> items) {
+std::vector<std::size_t> order_by_area(std::span<const AreaAtPlace> given) {
   constexpr double kSameArea = 5e-3, kSamePlace = 0.1;  // Of the area; of the radius.
+  std::vector<AreaAtPlace> items;
+  for (const AreaAtPlace& item : given) items.push_back(finite(item));
   std::vector<std::size_t> order(items.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(

@@ -12,16 +12,27 @@ namespace lumesh::io {
 
 namespace {
 
-constexpr std::string_view kEnds(" \t\r\n;#\0", 7);  // Of words.
+constexpr std::string_view kBlank = " \t", kEnds(" \t\r\n;#,\"'=:\0", 12);  // Of words.
 
-/// Text after "key=" at the beginning of a word, up to the next space, in lower case. Spaces may be before
-/// it.
-std::string value_of(const std::string& text, std::string_view key) {
-  for (std::size_t at = text.find(key); at != std::string_view::npos; at = text.find(key, at + 1)) {
-    if (at > 0 && kEnds.find(text[at - 1]) == std::string_view::npos) continue;
-    const std::size_t begin = text.find_first_not_of(" \t", at + key.size());
+bool is_begin(const std::string& text, std::size_t at) {
+  return at == 0 || kEnds.find(text[at - 1]) != std::string_view::npos;
+}
+
+/// The word of letters after "key=", "key = " or "key: ", of text in lower case; empty where none follows.
+std::string word_after(const std::string& text, std::string_view key) {
+  for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
+    const std::size_t sign = text.find_first_not_of(kBlank, at + key.size());
+    if (!is_begin(text, at) || sign == std::string::npos || (text[sign] != '=' && text[sign] != ':'))
+      continue;
+    const std::size_t begin = text.find_first_not_of(" \t\"'", sign + 1);
     if (begin == std::string::npos) return "";
-    return text.substr(begin, std::min(text.size(), text.find_first_of(kEnds, begin)) - begin);
+    const std::size_t end = std::min(text.size(), text.find_first_of(kEnds, begin));
+    const std::size_t after = text.find_first_not_of(kBlank, end);
+    const bool is_next_key = after != std::string::npos && text[after] == '=';
+    const bool has_letters = std::any_of(text.begin() + static_cast<std::ptrdiff_t>(begin),
+                                         text.begin() + static_cast<std::ptrdiff_t>(end),
+                                         [](char c) { return c < 0 || (c >= 'a' && c <= 'z'); });
+    return is_next_key || !has_letters ? "" : text.substr(begin, end - begin);
   }
   return "";
 }
@@ -34,8 +45,9 @@ std::string unit_and_frame(const MeshInfo& info) {
 
 void read_unit_and_frame(std::string_view comment, MeshInfo& info) {
   const std::string text = lower_case(std::string(comment));
-  if (const std::string unit = value_of(text, "unit="); !unit.empty()) info.unit = unit;
-  const std::string frame = value_of(text, "space=");
+  for (const char* key : {"units", "unit"})
+    if (const std::string unit = word_after(text, key); !unit.empty()) info.unit = unit;
+  const std::string frame = word_after(text, "space");
   if (frame == "lps") info.frame = "LPS";
   if (frame == "ras") info.frame = "RAS";
 }

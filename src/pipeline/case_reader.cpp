@@ -160,14 +160,15 @@ class CaseReader {
   [[nodiscard]] std::vector<double> row_of(const Key& key, const toml::node& node, const OptionRows& rows,
                                            const std::string& wanted) const {
     std::vector<double> row;
-    if (node.is_string())
+    if (node.is_string()) {
       row = rows.row_from(*node.value<std::string>()).value_or(row);
-    else
+      for (const double number : row)
+        if (const std::string complaint = key.option.complaint(number); !complaint.empty())
+          throw_bad_entry(key, node, complaint);
+    } else {
       for (const toml::node& number : array_of(key, node, 0, wanted)) row.push_back(number_of(key, number));
+    }
     if (!rows.takes(row.size())) throw_bad_entry(key, node, fmt::format("must be {}", wanted));
-    for (const double number : row)
-      if (const std::string complaint = key.option.complaint(number); !complaint.empty())
-        throw_bad_entry(key, node, complaint);
     return row;
   }
   static bool is_one_row(const toml::node& node) {
@@ -247,8 +248,8 @@ class CaseReader {
     std::vector<std::vector<double>> values;
     const std::string width = rows.width_text();
     const std::string wanted =
-        rows.is_single ? fmt::format("a number, or {}, such as [{}]", width, rows.example)
-                       : fmt::format("a list of lists of {}, such as [[{}]]", width, rows.example);
+        fmt::format("{}{}, such as [{}]{}", rows.is_single ? "a number, or " : "", width, rows.example,
+                    rows.is_single ? "" : ", or a list of such lists");
     if (rows.is_single && node.is_number())
       values.emplace_back(rows.least > 0 ? rows.least : rows.width, number_of(key, node));
     else if (rows.is_single || is_one_row(node))

@@ -50,8 +50,13 @@ struct RimmedPatch {
 
 /// How far a vertex of a rim is from where it should be.
 struct OffRim {
-  double mm = 0;             ///< No more than a quarter of the resolution too small; 0: near enough.
-  bool is_more_yet = false;  ///< Nothing was found so far around it.
+  double mm = 0;  ///< At least; 0: near enough.
+  bool is_more_yet =
+      false;  ///< Nothing was found so far around it; else a quarter of the resolution more at most.
+
+  [[nodiscard]] bool is_worse_than(const OffRim& other) const {
+    return std::pair(is_more_yet, mm) > std::pair(other.is_more_yet, other.mm);
+  }
 };
 
 /// The first distance for which is_there(distance) is true, from one that is near enough on.
@@ -137,7 +142,7 @@ std::string note_on(const Patch& patch, const RimmedPatch& triangles, std::span<
         is_plane ? view.off(points[v], enough_mm) : off_end(domain, patch.labels[0], points[v], enough_mm);
     if (off.mm == 0) continue;
     ++count;
-    if (off.mm <= worst.mm) continue;
+    if (!off.is_worse_than(worst)) continue;
     worst = off;
     place = points[v];
   }

@@ -148,7 +148,7 @@ std::optional<SideCut> find_side_cut(const LabelImage& image, std::span<const Cu
     may_be_sac = may_be_sac && layers.count_other_faces() == 0 && (!has_grown || layers.are_compact());
     largest = std::max(largest, now);
     if (may_be_sac && now + chance < kLeastBeforeThroat * largest) return SideCut{depth_mm, now / largest};
-    if (now + chance < kLeastLeft * area) return SideCut{depth_mm, now / area};
+    if (now + chance < kLeastLeft * area) return SideCut{depth_mm, now / largest};
   }
   return std::nullopt;
 }

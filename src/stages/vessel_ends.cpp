@@ -13,6 +13,7 @@
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/cell_sides.hpp"
+#include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_cuts.hpp"
@@ -228,7 +229,7 @@ std::string walled_ends_warning(const MixedMesh& mesh) {
   }
   // Files that do not say what a patch is have walls between labels, too.
   std::optional<CellSides> sides;
-  if (mesh.view().cell_count() > 0) sides.emplace(mesh.view());
+  if (labels_of(mesh).size() > 1) sides.emplace(mesh.view());
   MixedMesh outside;
   outside.points = mesh.points;
   outside.info.patches = patches;

@@ -60,6 +60,12 @@ std::vector<std::uint32_t> points_used(std::span<const Vec3> points, std::span<c
   return numbers;
 }
 
+/// Two digits of it, not less than it is.
+std::string rounded_up(double gap_mm) {
+  const double unit = std::pow(10.0, std::floor(std::log10(gap_mm)) - 1);
+  return fmt::format("{:.2g}", unit * std::ceil(gap_mm / unit));
+}
+
 }  // namespace
 
 double join_torn_corners(std::vector<Vec3>& points, std::span<const Cell<3>> triangles) {
@@ -92,16 +98,6 @@ double join_torn_corners(std::vector<Vec3>& points, std::span<const Cell<3>> tri
   points = std::move(joined);
   return farthest;
 }
-
-namespace {
-
-/// Two digits of it, not less than it is.
-std::string rounded_up(double gap_mm) {
-  const double unit = std::pow(10.0, std::floor(std::log10(gap_mm)) - 1);
-  return fmt::format("{:.2g}", unit * std::ceil(gap_mm / unit));
-}
-
-}  // namespace
 
 double gap_of_torn_corners(const TriangleMesh& welded) {
   if (welded.triangles.empty() || !is_torn(welded.points.size(), welded.triangles.size())) return 0;

@@ -20,7 +20,7 @@ struct AreaAtPlace {
 /// a tenth of the radius count as equal, too. So the order is the same after rounding, but for areas that
 /// happen to differ by just that much. Both compare with the first of the equal ones, so that a long row of
 /// areas each of which is a little smaller falls into several groups, always the same.
-[[nodiscard]] std::vector<std::size_t> order_by_area(std::span<const AreaAtPlace> items);
+[[nodiscard]] std::vector<std::size_t> order_by_area(std::span<const AreaAtPlace> given);
 
 /// The items in that order.
 /// @param measure  An item's AreaAtPlace.

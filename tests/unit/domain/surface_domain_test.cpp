@@ -454,7 +454,7 @@ INSTANTIATE_TEST_SUITE_P(
                         s = s.moved(
                             [](const Vec3& p) { return Vec3(p.x() + 0.5 * p.z(), p.y() - p.z(), 0); });
                       },
-                      "the surface is flat and encloses nothing, such as at ("},
+                      "the surface encloses nothing, such as at ("},
         BrokenSurface{"FlatPart",
                       [](TriangleSoup& s) {
                         const auto first = static_cast<std::uint32_t>(s.points.size());

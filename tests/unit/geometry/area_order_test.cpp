@@ -45,5 +45,18 @@ TEST(AreaOrder, ALongRowOfAreasFallsIntoTheSameGroupsInEveryOrder) {
   EXPECT_LT(first.back(), 0.92 * first.front());
 }
 
+/// Sums over surfaces of an absurd size overflow.
+TEST(AreaOrder, EndsWithWhatIsNotFinite) {
+  constexpr double kInf = std::numeric_limits<double>::infinity(),
+                   kNaN = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<AreaAtPlace> items = {{1, {0, 0, kNaN}}, {kNaN, {0, 0, 0}}, {2, {kInf, 0, -kInf}},
+                                          {kInf, {0, 0, 0}}, {1, {0, kNaN, 3}}, {2, {1, 0, 0}}};
+  Order order = order_by_area(items);
+  EXPECT_EQ(order, order_by_area(items));
+  EXPECT_EQ(order[2] + order[3], 7U);  // Those of 2 mm2, behind those that overflow.
+  std::ranges::sort(order);
+  EXPECT_EQ(order, (Order{0, 1, 2, 3, 4, 5}));
+}
+
 }  // namespace
 }  // namespace lumesh

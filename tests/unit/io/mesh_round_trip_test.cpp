@@ -241,16 +241,20 @@ TEST(Surface, KeepsUnitAndFrameInTheCommentsOfStlAndOff) {
       " endloop\n endfacet\nendsolid\n";
   fixtures::write_file(folder / "t.stl", "solid 3D Slicer output. SPACE=RAS\n" + facet);
   EXPECT_EQ(read_mesh(folder / "t.stl").info.frame, "RAS");
-  for (const char* comment : {"UNIT=CM SPACE=ras", "Unit=Cm;Space=RAS", "#unit= cm SPACE=Ras"}) {
+  for (const char* comment : {"UNIT=CM SPACE=ras", "Unit=Cm;Space=RAS", "#unit= cm SPACE=Ras",
+                              "Units: cm, space: RAS", "UNIT = \"cm\" SPACE = RAS", "UNIT=cm, SPACE=RAS"}) {
     fixtures::write_file(folder / "t.stl", std::string("solid ") + comment + "\n" + facet);
     EXPECT_EQ(read_mesh(folder / "t.stl").info.unit, "cm") << comment;
     EXPECT_EQ(read_mesh(folder / "t.stl").info.frame, "RAS") << comment;
   }
   fixtures::write_file(folder / "t.stl", "solid UNIT=Parsec\n" + facet);
   EXPECT_EQ(read_mesh(folder / "t.stl").info.unit, "parsec") << "commands warn of it";
-  fixtures::write_file(folder / "t.stl", "solid NOUNIT=cm MYSPACE=RAS SPACE=\n" + facet);
-  EXPECT_EQ(read_mesh(folder / "t.stl").info.unit, "mm");
-  EXPECT_EQ(read_mesh(folder / "t.stl").info.frame, "LPS");
+  for (const char* comment :
+       {"NOUNIT=cm MYSPACE=RAS SPACE=", "UNIT= SPACE=", "UNIT=1 unit cm", "UNIT=: space ="}) {
+    fixtures::write_file(folder / "t.stl", std::string("solid ") + comment + "\n" + facet);
+    EXPECT_EQ(read_mesh(folder / "t.stl").info.unit, "mm") << comment;
+    EXPECT_EQ(read_mesh(folder / "t.stl").info.frame, "LPS") << comment;
+  }
 }
 
 TEST(Boundary, IsFoundBetweenLabelsAndOutside) {
