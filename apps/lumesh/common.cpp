@@ -102,14 +102,16 @@ void write_json(const std::string& path, const std::string& text) {
 
 CommandRun::CommandRun(const RunOptions& options)
     : limit_(options.threads),
-      context({}, [this, command = options.command, with_keys = options.with_keys](std::string_view text) {
-        std::string warning =
-            with_flags(with_keys ? with_keys(std::string(text)) : std::string(text), *command);
-        // The first mesh of a case and its last one may deserve the same.
-        if (std::ranges::find(warnings_, warning) != warnings_.end()) return;
-        warnings_.push_back(std::move(warning));
-        print_warning(warnings_.back());
-      }) {
+      context([options](std::string_view line) { say(options, "{}\n", line); },
+              [this, options](std::string_view text) {
+                std::string warning =
+                    with_flags(options.with_keys ? options.with_keys(std::string(text)) : std::string(text),
+                               *options.command);
+                // The first mesh of a case and its last one may deserve the same.
+                if (std::ranges::find(warnings_, warning) != warnings_.end()) return;
+                warnings_.push_back(std::move(warning));
+                print_warning(warnings_.back());
+              }) {
   Program& program = program_of(*options.command);
   program.cancellation().begin(options.time_limit_s);
   context.stop_by(program.cancellation().token());

@@ -164,6 +164,10 @@ bool io::is_written_only(const Path& path) {
   return is_for(path, kWrite) && !is_for(path, kRead);
 }
 
+bool is_boundary_alone(const Path& path) {
+  return is_for(path, kWriteSurface) && !keeps_patch_names(path);
+}
+
 bool keeps_patch_names(const Path& path) {
   const FileFormat* const format = found_format(path, kWrite);
   return format != nullptr && (format->uses & kNameless) == 0;

@@ -14,6 +14,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/surface_file.hpp"
+#include "lumesh/mesh/outer_faces.hpp"
 #include "mesh_formats.hpp"
 #include "part_names.hpp"
 #include "utf8.hpp"
@@ -78,11 +79,13 @@ void write_mesh(const Path& path, const MeshView& mesh, const MeshWriteOptions& 
   const io::FileFormat& format = io::format_of(path, FileUse::kWrite);
   if (format.serves(FileUse::kWriteVolume) && !format.serves(FileUse::kWriteMixed))
     require_tetrahedra(path, mesh);
+  if (is_boundary_alone(path)) return write_surface(path, mesh, options);
   format.code.write(path, mesh, options);
 }
 
 void write_surface(const Path& path, const MeshView& mesh, const MeshWriteOptions& options) {
-  io::format_of(path, FileUse::kWriteSurface).code.write(path, mesh, options);
+  const io::FileFormat& format = io::format_of(path, FileUse::kWriteSurface);
+  format.code.write(path, OuterFaces(mesh).view(), options);
 }
 
 MixedMesh read_mesh(const Path& path) {

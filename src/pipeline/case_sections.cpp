@@ -34,7 +34,7 @@ void OpeningKeys::describe(OptionList& list) {
 void OutputKeys::describe(OptionList& list) {
   list.path("folder", folder, "Where all files go; none: a folder of the case's name");
   list.texts("meshes", meshes, "The last mesh, in the format of each name").of_files(FileUse::kWriteVolume);
-  list.text("surface", surface, "The boundary of the last mesh; none: not written")
+  list.text("surface", surface, "The outer boundary of the last mesh, closed; none: not written")
       .of_files(FileUse::kWriteSurface);
   describe_out_unit(list, unit);
   describe_report(list, report);

@@ -190,7 +190,7 @@ std::vector<report::OutputFile> write_meshes(const CaseState& state, const std::
     files.push_back({name, report::kMeshWords});
   }
   if (!output.surface.empty()) {
-    state.context.phase("write", [&] { write_surface(folder / output.surface, view); });
+    state.context.phase("write", [&] { write_surface(folder / output.surface, view, state.context); });
     files.push_back({output.surface, "its boundary"});
   }
   write_text_file(folder / kEffectiveCase, text_of_case(state));

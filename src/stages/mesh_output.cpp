@@ -18,6 +18,7 @@
 #include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/patch_names.hpp"
 #include "lumesh/mesh/length_unit.hpp"
+#include "lumesh/mesh/outer_faces.hpp"
 #include "lumesh/mesh/patch_words.hpp"
 #include "lumesh/quality/faults.hpp"
 
@@ -26,13 +27,30 @@ namespace lumesh {
 void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context) {
   write_results(context, [&] {
     const MeshInUnit written(mesh, output.unit);
-    write_mesh(output.mesh, written.view(), output.options);
-    if (!output.surface.empty()) write_surface(output.surface, written.view(), output.options);
+    if (is_boundary_alone(output.mesh)) {
+      const OuterFaces outside(written.view());
+      write_mesh(output.mesh, outside.view(), output.options);
+      if (const std::string left_out = outside.left_out_text(); !left_out.empty())
+        context.warn(
+            fmt::format("{}: holds the outer boundary alone, without {}; .vtp has them with their patches",
+                        output.mesh, left_out));
+    } else {
+      write_mesh(output.mesh, written.view(), output.options);
+    }
+    if (!output.surface.empty()) write_surface(output.surface, written.view(), context, output.options);
   });
 }
 
+void write_surface(const std::string& path, const MeshView& mesh, const Context& context,
+                   const MeshWriteOptions& options) {
+  const OuterFaces outside(mesh);
+  write_surface(path, outside.view(), options);
+  if (const std::string left_out = outside.left_out_text(); !left_out.empty())
+    context.info(fmt::format("{}: the outer boundary, without {}", path, left_out));
+}
+
 void describe_surface_output(OptionList& list, std::string& path) {
-  list.path("surface", path, "Also write the boundary alone").of_files(FileUse::kWriteSurface);
+  list.path("surface", path, "Also write the outer boundary alone, closed").of_files(FileUse::kWriteSurface);
 }
 
 namespace {

@@ -29,10 +29,10 @@ struct MeshWriteOptions {
   void describe(OptionList& list);
 };
 
-/// Writes a mesh in any format that README.md lists; surface formats get its boundary faces. For
-/// solvers: .foam (an empty file, beside it OpenFOAM's folder constant/polyMesh, ASCII, in metres); of
-/// tetrahedra only, .xdmf with the files beside it that FEniCS reads, and SimVascular's folder under a name
-/// that ends in mesh-complete.
+/// Writes a mesh in any format that README.md lists; surface formats get its boundary faces, .stl and
+/// .off, which cannot tell patches apart, as write_surface() does. For solvers: .foam (an empty file, beside
+/// it OpenFOAM's folder constant/polyMesh, ASCII, in metres); of tetrahedra only, .xdmf with the files beside
+/// it that FEniCS reads, and SimVascular's folder under a name that ends in mesh-complete.
 ///
 /// Cells carry their label, boundary faces their patch; docs/stages/convert.md says what each format holds.
 /// A metric goes into .vtu and .vtk, as the point array `metric`; for Medit's files see metric_file.hpp.
@@ -44,8 +44,9 @@ struct MeshWriteOptions {
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh,
                 const MeshWriteOptions& options = {});
 
-/// Writes the boundary faces alone, with the points they use, in a format for surfaces. Faces are as in
-/// `mesh`; see extract_boundary() for meshes without any. Errors as write_mesh().
+/// Writes the outer boundary alone, with the points it uses, in a format for surfaces: the faces as in
+/// `mesh`, without those between two of its cells, such as interfaces of labels; see extract_boundary() for
+/// meshes without any. Errors as write_mesh(). Memory: also about 100 bytes per cell.
 void write_surface(const std::filesystem::path& path, const MeshView& mesh,
                    const MeshWriteOptions& options = {});
 

@@ -18,7 +18,11 @@ struct MeshOutput {
   std::string unit = "mm";   ///< Unit of lengths in both; empty: as they are.
   MeshWriteOptions options = {};
 };
+/// Faces between cells that the file has no place for are warned of.
 void write_mesh(const MeshOutput& output, const MeshView& mesh, Context& context);
+/// Writes the outer boundary as write_surface() of lumesh/io/mesh_file.hpp; faces that are left out are told.
+void write_surface(const std::string& path, const MeshView& mesh, const Context& context,
+                   const MeshWriteOptions& options = {});
 /// The option for the path of a boundary alone.
 void describe_surface_output(OptionList& list, std::string& path);
 
