@@ -30,7 +30,8 @@ double estimated_tetrahedra(const LabelImage& image, const ImageDomain& domain,
   const std::vector<double> of_labels = count_kept_voxels(image, domain.cut_planes());
   const double voxels = std::accumulate(of_labels.begin(), of_labels.end(), 0.0);
   const auto object_voxels = static_cast<std::size_t>(std::ceil(voxels));
-  const double coarsest_mm = boundary_spacing_mm(options, domain) * std::exp2(options.coarsening);
+  const double coarsest_mm =
+      SizeGrid::boundary_spacing_mm(image, domain, options) * std::exp2(options.coarsening);
   const int levels = options.coarsening + options.max_refinement;
   const SizeGrid sizes(image, domain, options, coarsest_mm, object_voxels);
   std::vector<Vec3> places = sample_object(image, kPlaces).places;

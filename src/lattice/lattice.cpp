@@ -54,7 +54,8 @@ std::vector<double> object_voxels(const LabelImage& image, const ImageDomain& do
 fitting::WorkMesh make_labelled_lattice(const LabelImage& image, const ImageDomain& domain,
                                         const LatticeOptions& options, const std::vector<double>& voxels,
                                         Context& context, LatticeReport& report) {
-  const double coarsest_mm = boundary_spacing_mm(options, domain) * std::exp2(options.coarsening);
+  const double coarsest_mm =
+      SizeGrid::boundary_spacing_mm(image, domain, options) * std::exp2(options.coarsening);
   const LatticeFrame frame =
       make_lattice_frame(domain, coarsest_mm, options.coarsening + options.max_refinement);
   const auto total = static_cast<std::size_t>(std::ceil(std::accumulate(voxels.begin(), voxels.end(), 0.0)));
@@ -85,9 +86,12 @@ fitting::BoundaryModel extract_boundary(fitting::WorkMesh& mesh, const ImageDoma
 /// Asks for a finer lattice around lost labels; false if there is nothing to gain.
 bool raise_fidelity(LatticeOptions& options, const std::vector<Label>& lost) {
   constexpr double kHigh = 0.9, kHighest = 0.97;
+  const double usual = options.cells_per_diameter > 0
+                           ? std::max(options.fidelity, 1 - 0.5 / options.cells_per_diameter)
+                           : options.fidelity;
   bool raised = false;
   for (const Label label : lost) {
-    double& fidelity = options.label_fidelity.try_emplace(label, options.fidelity).first->second;
+    double& fidelity = options.label_fidelity.try_emplace(label, usual).first->second;
     if (fidelity >= kHighest) continue;
     fidelity = fidelity < kHigh ? kHigh : kHighest;
     raised = true;

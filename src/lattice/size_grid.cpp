@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <numbers>
 
 #include "lumesh/core/error.hpp"
@@ -26,6 +30,44 @@ double edge_around(double width, double breadth) {
   return std::numbers::pi / 2 * (width + breadth) / kEdgesAround;
 }
 
+/// Wanted edges along diameters become spacings. In tubes of 3 to 12 voxels in radius the mean edge of the
+/// wall is this share of the spacing.
+constexpr double kEdgeOfSpacing = 0.88;
+/// Spacings may be so many times too large: chords of voxels scatter, and the smallest ones near by would
+/// halve the spacing all along a vessel.
+constexpr double kSlack = 1.15;
+
+/// Numbers of boundary voxels that want each spacing, by the octaves that it is below the usual one.
+struct WantedSpacings {
+  static constexpr int kBinsPerOctave = 16, kOctaves = 8;
+
+  std::array<std::uint64_t, kBinsPerOctave* kOctaves> counts = {};
+
+  void add(double octaves) {
+    const double bin = std::clamp(std::round(octaves * kBinsPerOctave), 0.0, counts.size() - 1.0);
+    ++counts[static_cast<std::size_t>(bin)];
+  }
+  /// Mean distance in bins, times the voxels, between what is wanted and what halving gives, from this many
+  /// bins below the usual spacing on.
+  [[nodiscard]] std::uint64_t distance_from(int shift, int max_halvings) const {
+    const int slack = static_cast<int>(kBinsPerOctave * std::log2(kSlack));
+    std::uint64_t sum = 0;
+    for (int bin = 0; bin < std::ssize(counts); ++bin) {
+      int made = shift;
+      for (int k = 0; k < max_halvings && made < bin - slack; ++k) made += kBinsPerOctave;
+      sum += counts[static_cast<std::size_t>(bin)] * static_cast<std::uint64_t>(std::abs(made - bin));
+    }
+    return sum;
+  }
+  /// Octaves below the usual spacing, less than one, from which halving comes nearest.
+  [[nodiscard]] double best_shift(int max_halvings) const {
+    int best = 0;
+    for (int shift = 1; shift < kBinsPerOctave; ++shift)
+      if (distance_from(shift, max_halvings) < distance_from(best, max_halvings)) best = shift;
+    return static_cast<double>(best) / kBinsPerOctave;
+  }
+};
+
 /// The largest width at which that edge can be shorter.
 double width_for_edge(double edge) {
   return 2 / std::numbers::pi * kEdgesAround * edge;
@@ -34,20 +76,30 @@ double width_for_edge(double edge) {
 }  // namespace
 
 SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
-                   double coarsest_mm, std::size_t object_voxels)
+                   double coarsest_mm)
     : image_(image),
       domain_(domain),
       coarsest_mm_(coarsest_mm),
       min_level_(options.coarsening),
       max_level_(options.coarsening + options.max_refinement),
       cap_(max_level_),
+      has_cells_(options.cells_per_diameter > 0),
       cells_((image.frame().size + Index3::Constant(kCell - 1)) / kCell) {
   for (const Label label : image.values()) {
     const auto own = options.label_fidelity.find(label);
     const double fidelity = own == options.label_fidelity.end() ? options.fidelity : own->second;
-    thickness_factor_.push_back(2 * (1 - fidelity));  // 4 (1 - F) of half the chord
+    const bool is_by_cells =
+        options.cells_per_diameter > 0 && label != kBackground && own == options.label_fidelity.end();
+    // 4 (1 - F) of half the chord
+    thickness_factor_.push_back(is_by_cells ? kSlack / (kEdgeOfSpacing * options.cells_per_diameter)
+                                            : 2 * (1 - fidelity));
     firm_.push_back(own == options.label_fidelity.end() ? 0 : kFirm);
   }
+}
+
+SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
+                   double coarsest_mm, std::size_t object_voxels)
+    : SizeGrid(image, domain, options, coarsest_mm) {
   wanted_.resize(grid_count(cells_));
   parallel::for_each_index(brick_count(image), 16, [&](std::size_t b) {
     for_each_voxel_near_boundary(image_, domain_.field(), b, [&](const Index3& voxel) { note_voxel(voxel); });
@@ -119,7 +171,7 @@ void SizeGrid::note_voxel(const Index3& voxel) {
   cell = static_cast<std::uint8_t>(most | firm);
 }
 
-int SizeGrid::voxel_level(const Index3& voxel) const {
+std::optional<double> SizeGrid::allowed_mm(const Index3& voxel) const {
   const ImageFrame& frame = image_.frame();
   const LabelImage::Index own = image_.at(voxel);
   bool boundary = false;
@@ -130,18 +182,27 @@ int SizeGrid::voxel_level(const Index3& voxel) const {
       boundary |= frame.contains(next) ? image_.at(next) != own : own != 0;
     }
   }
-  if (!boundary) return -1;
+  if (!boundary) return std::nullopt;
   const double factor = thickness_factor_[own];
   const double widest_mm = coarsest_mm_ / std::exp2(min_level_);
-  const double chord_limit_mm = std::max(1.01 * widest_mm / factor, width_for_edge(widest_mm));
+  const double chord_limit_mm =
+      std::max(1.01 * (has_cells_ ? kSlack : 1) * widest_mm / factor, width_for_edge(widest_mm));
   const std::optional<Vec3> inwards = inwards_at(voxel, own);
   const double chord =
       inwards ? chord_mm(voxel, *inwards, own, chord_limit_mm) : shortest_run_mm(voxel, own, chord_limit_mm);
   double allowed_mm = factor * chord;
   if (own != 0 && inwards && chord < chord_limit_mm)
     allowed_mm = std::min(allowed_mm, edge_around_section_mm(voxel, *inwards, chord, own, chord_limit_mm));
-  int level = level_for(allowed_mm);
-  if (level == min_level_ && level < max_level_ && same_label_count(image_, voxel) <= kRidgeCount) ++level;
+  return allowed_mm;
+}
+
+int SizeGrid::voxel_level(const Index3& voxel) const {
+  const std::optional<double> allowed = allowed_mm(voxel);
+  if (!allowed) return -1;
+  int level = level_for(*allowed);
+  // Rims of openings count as edges: with a number of edges across they are as fine as asked for.
+  const bool may_be_ridge = !has_cells_ && level == min_level_ && level < max_level_;
+  if (may_be_ridge && same_label_count(image_, voxel) <= kRidgeCount) ++level;
   return level;
 }
 
@@ -265,8 +326,25 @@ bool SizeGrid::boundary_within(const Vec3& point_mm, double radius_mm) const {
                   [](std::uint8_t cell) { return cell != 0; });
 }
 
-double boundary_spacing_mm(const LatticeOptions& options, const ImageDomain& domain) {
-  return options.spacing_mm > 0 ? options.spacing_mm : kUsualEdge * domain.voxel_size_mm();
+double SizeGrid::boundary_spacing_mm(const LabelImage& image, const ImageDomain& domain,
+                                     const LatticeOptions& options) {
+  const double usual_mm = options.spacing_mm > 0 ? options.spacing_mm : kUsualEdge * domain.voxel_size_mm();
+  if (!(options.cells_per_diameter > 0)) return usual_mm;
+  const SizeGrid sizes(image, domain, options, usual_mm * std::exp2(options.coarsening));
+  const auto wanted = parallel::reduce(
+      brick_count(image), 16, WantedSpacings{},
+      [&](WantedSpacings& all, std::size_t b) {
+        for_each_voxel_near_boundary(image, domain.field(), b, [&](const Index3& voxel) {
+          if (image.at(voxel) == 0) return;
+          const std::optional<double> allowed = sizes.allowed_mm(voxel);
+          if (allowed) all.add(std::log2(usual_mm * kSlack / std::min(*allowed, usual_mm * kSlack)));
+        });
+      },
+      [](WantedSpacings a, const WantedSpacings& b) {
+        for (std::size_t i = 0; i < a.counts.size(); ++i) a.counts[i] += b.counts[i];
+        return a;
+      });
+  return usual_mm / std::exp2(wanted.best_shift(options.max_refinement));
 }
 
 }  // namespace lumesh

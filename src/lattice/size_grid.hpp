@@ -22,6 +22,11 @@ class SizeGrid {
   SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
            double coarsest_mm, std::size_t object_voxels);
 
+  /// The spacing at boundaries where the object is thick. With LatticeOptions::cells_per_diameter it is at
+  /// most half finer than asked for, such that halving it meets the number over most of the boundary.
+  [[nodiscard]] static double boundary_spacing_mm(const LabelImage& image, const ImageDomain& domain,
+                                                  const LatticeOptions& options);
+
   /// Levels given up to stay within LatticeOptions::max_tetrahedra.
   [[nodiscard]] int levels_given_up() const { return max_level_ - cap_; }
 
@@ -32,6 +37,9 @@ class SizeGrid {
   [[nodiscard]] bool boundary_within(const Vec3& point_mm, double radius_mm) const;
 
  private:
+  SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
+           double coarsest_mm);
+
   [[nodiscard]] IndexBox cells_around(const Vec3& point_mm, double radius_mm) const;
   [[nodiscard]] IndexBox cells_between(const Vec3& low, const Vec3& high) const;  ///< In voxels.
   [[nodiscard]] std::size_t cell_number(const Index3& cell) const { return grid_offset(cells_, cell); }
@@ -43,6 +51,8 @@ class SizeGrid {
       0x80;  // flag: wanted by a label with a fidelity of its own, never given up
 
   [[nodiscard]] int voxel_level(const Index3& voxel) const;
+  /// Largest spacing that a voxel allows; none where it is at no boundary.
+  [[nodiscard]] std::optional<double> allowed_mm(const Index3& voxel) const;
   /// Unit direction (mm, along the image's axes) into the label; none where the field has no slope.
   [[nodiscard]] std::optional<Vec3> inwards_at(const Index3& voxel, LabelImage::Index label) const;
   /// Through the label, from a voxel at its boundary.
@@ -69,13 +79,11 @@ class SizeGrid {
   int min_level_;
   int max_level_;
   int cap_;
+  bool has_cells_;                        // LatticeOptions::cells_per_diameter says the spacings
   std::vector<std::uint8_t> firm_;        // per label: kFirm or 0
   std::vector<double> thickness_factor_;  // per label: spacing allowed per unit of chord
   Index3 cells_;
   std::vector<std::uint8_t> wanted_;  // 1 + level and kFirm; 0 = no boundary
 };
-
-/// Spacing of the lattice at the boundary where the object is thick.
-[[nodiscard]] double boundary_spacing_mm(const LatticeOptions& options, const ImageDomain& domain);
 
 }  // namespace lumesh

@@ -78,7 +78,7 @@ std::vector<CaseSection> sections_of(Case& c) {
 LatticeOptions Case::lattice_options() const {
   LatticeOptions options = lattice;
   if (!(options.spacing_mm > 0)) options.spacing_mm = edge_length_mm;
-  if (cells_per_diameter > 0) options.fidelity = LatticeOptions::fidelity_of_cells(cells_per_diameter);
+  options.cells_per_diameter = cells_per_diameter;
   return options;
 }
 

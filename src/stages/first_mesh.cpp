@@ -38,8 +38,7 @@ MeshView DelaunayFileMesh::view() const {
 LatticeMesh make_lattice_mesh(const LatticeRequest& request, const Making& making, Context& context) {
   const std::string& path = request.input.path;
   LatticeOptions options = request.options;
-  if (request.cells_per_diameter > 0)
-    options.fidelity = LatticeOptions::fidelity_of_cells(request.cells_per_diameter);
+  if (request.cells_per_diameter > 0) options.cells_per_diameter = request.cells_per_diameter;
   FirstMeshInput input{read_domain(request.input, context)};
   DomainRead& given = input.given;
   // Before the time for a domain is spent.

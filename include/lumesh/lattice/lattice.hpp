@@ -20,10 +20,8 @@ class OptionList;
 struct LatticeOptions {
   double spacing_mm = 0;  ///< 0: the usual one.
   double fidelity = 0.5;
-  /// The fidelity at which so many edges go along the diameter of a vessel.
-  [[nodiscard]] static double fidelity_of_cells(double cells_per_diameter) {
-    return 1 - 0.5 / cells_per_diameter;
-  }
+  /// About so many edges go along the diameter of each vessel, whatever `fidelity` says; 0: as that says.
+  double cells_per_diameter = 0;
   std::map<Label, double> label_fidelity;  ///< Labels without an entry take `fidelity`.
   int coarsening = 1;
   int max_refinement = 3;
