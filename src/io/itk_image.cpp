@@ -11,6 +11,8 @@
 #include <charconv>
 #include <cstring>
 #include <iostream>
+#include <map>
+#include <optional>
 
 #include "dicom_series.hpp"
 #include "dicom_slices.hpp"
@@ -20,6 +22,7 @@
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "raw_image.hpp"
+#include "segment_layers.hpp"
 #include "unpacked_file.hpp"
 #include "utf8.hpp"
 
@@ -138,23 +141,33 @@ ImageHeader read_header(const fs::path& path, itk::ImageIOBase& io) {
   return header;
 }
 
-/// Names of 3D Slicer's segments (.seg.nrrd): Segment0_Name:=…, Segment0_LabelValue:=….
-std::map<Label, std::string> segment_names(const itk::ImageIOBase& io) {
+/// A whole number that is all of a text.
+std::optional<Label> number_in(const std::string& text) {
+  Label number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// 3D Slicer's segments (.seg.nrrd): Segment0_Name:=…, Segment0_LabelValue:=…, Segment0_Layer:=….
+std::vector<Segment> segments_of(const itk::ImageIOBase& io) {
   constexpr std::string_view kName = "_Name";
   const itk::MetaDataDictionary& fields = io.GetMetaDataDictionary();
-  std::map<Label, std::string> names;
+  std::vector<Segment> segments;
   for (const std::string& key : fields.GetKeys()) {
     if (!key.starts_with("Segment") || !key.ends_with(kName)) continue;
-    std::string name, value;
+    std::string name, value, layer;
     const std::string segment = key.substr(0, key.size() - kName.size());
     if (!itk::ExposeMetaData(fields, key, name) ||
         !itk::ExposeMetaData(fields, segment + "_LabelValue", value))
       continue;
-    Label label = kBackground;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), label);
-    if (error == std::errc() && end == value.data() + value.size() && label > 0) names[label] = as_utf8(name);
+    itk::ExposeMetaData(fields, segment + "_Layer", layer);
+    const Label label = number_in(value).value_or(kBackground);
+    if (label > 0)
+      segments.push_back(
+          {as_utf8(name), label, static_cast<std::size_t>(std::max(0, number_in(layer).value_or(0)))});
   }
-  return names;
+  return segments;
 }
 
 /// Null if it is of no such format. Looks at the checksum of what is gzipped as a whole, which ITK does not.
@@ -211,8 +224,11 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoic
   RawImage image;
   image.frame = checked_frame(path, header, context);
   image.type = header.type;
-  image.label_names = segment_names(io);
-  const VolumeRange volumes = chosen_volumes(path, header, choice);
+  const std::vector<Segment> segments = segments_of(io);
+  image.label_names = names_of(segments, choice.frame);
+  const bool joins_layers = header.volumes > 1 && !choice.frame && have_layers(segments);
+  const VolumeRange volumes =
+      joins_layers ? VolumeRange{0, header.volumes} : chosen_volumes(path, header, choice);
   image.volumes = header.volumes;
   // Detached data files are not looked at here.
   const std::string extension = path.extension().string();
@@ -224,6 +240,7 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoic
   if (extension == ".nrrd" && is_sorted &&
       unpack_nrrd(path, voxel_bytes(image.type), {image.voxels.get(), bytes})) {
     keep_volumes(volumes, image);
+    if (joins_layers) join_layers(path, segments, context, image);
     return image;
   }
   if (is_nrrd) require_sound_nrrd(path);
@@ -235,6 +252,7 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoic
     keep_volumes(volumes, image);
   else
     sort_into_volumes(volumes, image);
+  if (joins_layers) join_layers(path, segments, context, image);
   return image;
 }
 
