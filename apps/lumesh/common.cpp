@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include "lumesh/io/output_checks.hpp"
 #include "lumesh/io/text_file.hpp"
@@ -39,6 +40,9 @@ std::string given_options(const CLI::App& command) {
   }
   return all;
 }
+
+/// Documents so far of the array that a JsonArray makes of them; none without one.
+std::optional<std::size_t> json_elements;
 
 /// Outputs that are wanted, and in files.
 std::vector<std::string> files_among(std::vector<std::string> outputs) {
@@ -91,13 +95,24 @@ CLI::Option* add_json_option(CLI::App& command, std::string& path, RunOptions& o
       ->expected(0, 1);
 }
 
+JsonArray::JsonArray() {
+  json_elements = 0;
+}
+
+JsonArray::~JsonArray() {
+  if (*json_elements > 0) print_out("\n]\n");
+  json_elements.reset();
+}
+
 void write_json(const std::string& path, const std::string& text) {
-  const std::string whole = text.ends_with('\n') ? text : text + "\n";
+  std::string whole = text.ends_with('\n') ? text : text + "\n";
   if (path.empty()) return;
-  if (path == kStandardOutput)
-    print_out("{}", whole);
-  else
-    write_text_file(path, whole);
+  if (path != kStandardOutput) return write_text_file(path, whole);
+  if (json_elements) {
+    whole.pop_back();
+    whole.insert(0, (*json_elements)++ == 0 ? "[\n" : ",\n");
+  }
+  print_out("{}", whole);
 }
 
 CommandRun::CommandRun(const RunOptions& options)

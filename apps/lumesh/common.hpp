@@ -86,6 +86,15 @@ CLI::Option* add_json_option(CLI::App& command, std::string& path, RunOptions& o
                              const std::string& holds);
 /// Writes what that asks for; nothing where it was not given.
 void write_json(const std::string& path, const std::string& text);
+/// While there is one, what write_json() writes to the standard output are the elements of one array.
+class JsonArray {
+ public:
+  JsonArray();
+  ~JsonArray();
+  JsonArray(const JsonArray&) = delete;
+  JsonArray& operator=(const JsonArray&) = delete;
+};
+
 /// What a command runs in, made before anything else. Stops and the time limit end it (Program), warnings go
 /// to stderr; with -v so does each phase as it ends, with its time, else how far the command is.
 class CommandRun {

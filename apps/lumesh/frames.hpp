@@ -1,9 +1,11 @@
 #pragma once
 /// @file Commands for every frame of an image, one after the other.
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "common.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/stages/input.hpp"
 
@@ -27,11 +29,14 @@ void run_frames(Command command) {
   const FrameParts first = command.frames();
   if (!first.selection->all_frames || is_mesh_file(first.image)) return run(command);
   const std::size_t count = count_frames(first.image);
+  const JsonArray array;
+  const auto openings = std::make_shared<std::vector<Opening>>();
   for (std::size_t frame = 0; frame < count; ++frame) {
     Command one = command;
     const FrameParts parts = one.frames();
     parts.selection->all_frames = false;
     parts.selection->frame = static_cast<double>(frame);
+    parts.selection->openings_of_frames = openings;
     for (std::string* output : parts.outputs) *output = numbered(*output, frame);
     run(one);
   }

@@ -50,10 +50,10 @@ void run(const RunCommand& command, const Case& c, const std::string& json_path)
 void run(const RunCommand& command) {
   check_files({command.json_path}, {command.case_path});
   const std::vector<Case> cases = cases_of_frames(case_of(command));
-  for (std::size_t i = 0; i < cases.size(); ++i)
-    run(command, cases[i], cases.size() > 1 ? numbered(command.json_path, i) : command.json_path);
+  if (cases.size() == 1) return run(command, cases.front(), command.json_path);
+  const JsonArray array;
+  for (std::size_t i = 0; i < cases.size(); ++i) run(command, cases[i], numbered(command.json_path, i));
 }
-
 }  // namespace
 
 void add_run_command(CLI::App& program) {

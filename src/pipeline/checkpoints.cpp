@@ -106,15 +106,25 @@ void Checkpoints::load(CaseStage stage, CaseState& state, report::StageReport& r
   naming(notes.string(), [&] { report::take_stage_notes(text, report); });
 }
 
+/// Openings of the frames before, which give those of this one their names.
+std::string names_of_frames(const Case& c) {
+  std::string names;
+  if (c.input.selection.openings_of_frames)
+    for (const Opening& opening : *c.input.selection.openings_of_frames)
+      names += fmt::format("{} {} {} {} ", opening.name, opening.centre_mm.x(), opening.centre_mm.y(),
+                           opening.centre_mm.z());
+  return names;
+}
+
 /// The program itself counts as its version: two builds of one version may differ.
 std::map<CaseStage, std::string> stage_keys(const CaseState& state) {
   using enum CaseStage;
   const Case& c = state.c;
   const auto key = [](const std::string& text) { return text_sha256(text); };
   std::map<CaseStage, std::string> keys;
-  const std::string input =
-      key(kVersion + file_sha256("/proc/self/exe") + state.input_sha256 +
-          (state.given.image ? content_of(*state.given.image) : "") + section_text(c, "input"));
+  const std::string input = key(kVersion + file_sha256("/proc/self/exe") + state.input_sha256 +
+                                (state.given.image ? content_of(*state.given.image) : "") +
+                                section_text(c, "input") + names_of_frames(c));
   keys[kCenterline] = key(input + section_text(c, "centerline"));
   const bool lattice = c.mesher == Mesher::kLattice;
   const std::string mesher = section_of(c.mesher);

@@ -273,10 +273,12 @@ std::vector<Case> cases_of_frames(const Case& c) {
   const std::filesystem::path folder = pipeline::folder_of(c);
   std::vector<Case> cases;
   const std::size_t count = count_frames(c.input.image);
+  const auto openings = std::make_shared<std::vector<Opening>>();
   for (std::size_t frame = 0; frame < count; ++frame) {
     Case& one = cases.emplace_back(c);
     one.input.selection.all_frames = false;
     one.input.selection.frame = static_cast<double>(frame);
+    one.input.selection.openings_of_frames = openings;
     one.output.folder = (folder / fmt::format("frame_{:03}", frame)).string();
   }
   return cases;

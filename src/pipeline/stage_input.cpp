@@ -104,6 +104,9 @@ void read_input(CaseState& state, report::StageReport& stage) {
     naming(state.given.name, [&] { describe_image(*state.given.image, stage); });
     if (state.c.input.cuts.extension.is_wanted()) extend_image(state, stage);
   }
+  // Also where the mesh comes from a checkpoint: frames behind it get the names of its openings.
+  if (state.given.image && state.c.input.selection.openings_of_frames)
+    static_cast<void>(state.given.domain_of_image());
   read_sources(state);
   check_layers(state);
   if (state.given.surface) describe_surface(state, stage);

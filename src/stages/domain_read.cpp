@@ -8,6 +8,7 @@
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/place_text.hpp"
+#include "lumesh/domain/kept_names.hpp"
 #include "lumesh/domain/local_volumes.hpp"
 #include "lumesh/geometry/self_crossings.hpp"
 #include "lumesh/mesh/label_shapes.hpp"
@@ -107,12 +108,21 @@ const std::shared_ptr<const ImageDomain>& DomainRead::domain_of_image() {
     image_domain_ = naming(name, [&] {
       InputCuts before = input_.cuts;
       before.extension = {};
-      auto domain = domain_of_cut(*image, cut_planes, before, input_.field, context_);
+      auto domain = named_by_frames(domain_of_cut(*image, cut_planes, before, input_.field, context_));
       if (!input_.cuts.extension.is_wanted()) return domain;
       image_beginnings_ = context_.phase("openings", [&] { return find_openings(*domain); });
       return extended_domain(*image, cut_planes, *domain, image_beginnings_, input_.cuts.extension, context_);
     });
   return image_domain_;
+}
+
+std::shared_ptr<const ImageDomain> DomainRead::named_by_frames(std::shared_ptr<const ImageDomain> domain) {
+  if (!input_.selection.openings_of_frames) return domain;
+  auto named = std::make_shared<ImageDomain>(*domain);
+  const std::vector<std::string> notes = context_.phase(
+      "openings", [&] { return keep_opening_names(*input_.selection.openings_of_frames, *named); });
+  for (const std::string& note : notes) context_.warn(name + ": " + note);
+  return named;
 }
 
 std::span<const Opening> DomainRead::beginnings() const {

@@ -97,6 +97,54 @@ class ImagesTest(ProgramTest):
         self.run_well("run", case, "-o", self.folder / "out")
         self.assertTrue((self.folder / "out" / "frame_001" / "mesh.vtu").exists())
 
+    def test_openings_keep_their_names_through_frames_and_json_is_one_document(self):
+        def tube(low, high, beside=0):
+            def value(p):
+                radius = low + (high - low) * p[2] / (SIZES[2] - 1)
+                is_beside = p[2] < 12 and math.dist((p[0], p[1]), (19.2, 12)) < beside
+                return 1 if is_beside or math.dist((p[0], p[1]), (8.3, 11.6)) < radius else 0
+            return cube(value)
+        series = write_series(self.folder / "s.nii", [tube(6, 4), tube(4, 6), tube(4, 6, 3)])
+        for command in ("lattice", "delaunay"):
+            result = self.run_well(command, series, "--all-frames", "-o", self.folder / f"{command}.vtu", "--json")
+            found = [{o["patches"]: o["centre_mm"] for o in frame["openings"]} for frame in json.loads(result.stdout)]
+            self.assertEqual([set(frame) for frame in found], [{"inlet_1", "outlet_1"}, {"inlet_1", "outlet_1"}, {"inlet_1", "outlet_1", "outlet_2"}])
+            for frame in found:
+                self.assertLess(frame["inlet_1"][2], frame["outlet_1"][2])
+            self.assertAlmostEqual(found[2]["outlet_2"][0], 19.2, delta=0.3)
+            self.assertRegex(result.stderr, r"outlet_2 at .* is an opening that no frame before has")
+        case = self.folder / "case.toml"
+        case.write_text('mesher = "lattice"\n[input]\nimage = "s.nii"\nall_frames = true\n[output]\nreport = ""\n')
+        self.assertEqual(len(json.loads(self.run_well("run", case, "-o", self.folder / "out", "--json").stdout)), 3)
+        for folder in sorted((self.folder / "out").iterdir()):
+            self.run_well("convert", folder / "mesh.vtu", self.folder / "frame.msh")
+            mesh = json.loads(self.run_well("evaluate", folder / "mesh.vtu", "--json").stdout)
+            areas = {p["name"]: p["area_mm2"] for p in mesh["boundary"]["patches"]}
+            self.assertEqual(areas["inlet_1"] > areas["outlet_1"], folder.name == "frame_000")
+
+    def test_layers_of_segments_are_labels_of_one_image(self):
+        voxels = []  # The layer varies fastest.
+        for place in ((i, j, k) for k in range(SIZES[2]) for j in range(SIZES[1]) for i in range(SIZES[0])):
+            stem = math.dist(place[:2], (8, 8)) < 4
+            side = 8 <= place[0] and math.dist(place[1:], (8, 12)) < 3
+            voxels += [1 if stem else 0, 1 if side else 2 if math.dist(place[:2], (17, 18)) < 3 else 0]
+        segments = [("aorta", 1, 0), ("left renal", 1, 1), ("vein", 2, 1)]
+        lines = "".join(f"Segment{n}_Name:={name}\nSegment{n}_LabelValue:={value}\nSegment{n}_Layer:={layer}\n" for n, (name, value, layer) in enumerate(segments))
+        image = self.folder / "two.seg.nrrd"
+        image.write_bytes(("NRRD0004\ntype: uint8\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 %d %d %d\n" % tuple(SIZES)
+                           + "space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\nendian: little\nencoding: raw\n"
+                           + "space origin: (0,0,0)\n" + lines + "\n").encode() + bytes(voxels))
+        pairs = list(zip(voxels[::2], voxels[1::2]))
+        result = self.run_well("info", image, "--json")
+        labels = {label["name"]: (label["label"], label["voxels"]) for label in json.loads(result.stdout)["labels"]}
+        self.assertEqual(labels, {"aorta": (1, sum(pair == (1, 0) for pair in pairs)), "left renal": (3, sum(pair[1] == 1 for pair in pairs)),
+                                  "vein": (2, sum(pair[1] == 2 for pair in pairs))})
+        hidden = sum(pair[0] == 1 and pair[1] > 0 for pair in pairs)
+        self.assertIn(f'2 layers of segments, which become one image of labels: "aorta" of layer 0 is label 1 without {hidden} voxels', result.stderr)
+        one = json.loads(self.run_well("info", image, "--frame", 1, "--json").stdout)
+        self.assertEqual([label["name"] for label in one["labels"]], ["left renal", "vein"])
+        self.run_well("lattice", image, "-o", self.mesh)
+
     def test_masks_of_several_files(self):
         lumen = self.write("lumen.nrrd", cube(lambda p: 1 if depth(p, 5) >= 0 else 0))
         wall = self.write("wall.nrrd", cube(lambda p: 1 if depth(p, 8) >= 0 else 0))

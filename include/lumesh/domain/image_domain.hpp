@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lumesh/core/types.hpp"
@@ -70,6 +71,10 @@ class ImageDomain final : public Domain {
   }
   /// Cut planes asked for, and the image's borders where the object touches them; unit normals.
   [[nodiscard]] std::span<const CutPlane> cut_planes() const override { return cuts_; }
+  /// Sets CutPlane::names of one of them.
+  void name_openings(std::size_t cut, std::vector<std::pair<Label, std::string>> names) {
+    cuts_[cut].names = std::move(names);
+  }
   [[nodiscard]] const LabelField& field() const { return *field_; }
   [[nodiscard]] const ImageFrame& frame() const;
   /// Geometric mean of the voxel's edges.

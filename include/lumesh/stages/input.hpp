@@ -45,8 +45,10 @@ struct ImageSelection {
   LabelledFiles label_images;   ///< More labels on the same grid.
   std::optional<double> frame;  ///< A whole number: the one that counts of several volumes.
   bool all_frames = false;      ///< Each of them, one after the other.
-  std::size_t drop_below = 0;   ///< Pieces of fewer voxels become background.
-  bool fill_cavities = false;   ///< Background that the labels enclose gets a label.
+  /// Openings of the frames before, whose names those at the same places get; null: names are by area.
+  std::shared_ptr<std::vector<Opening>> openings_of_frames = nullptr;
+  std::size_t drop_below = 0;                 ///< Pieces of fewer voxels become background.
+  bool fill_cavities = false;                 ///< Background that the labels enclose gets a label.
   TouchChoice touching = TouchChoice::kKeep;  ///< Treatment of vessels side by side that touch.
   std::string unit;                ///< Unit of lengths in the file; empty: as it says. See describe_unit().
   bool largest_component = false;  ///< The largest connected piece of all labels, alone.

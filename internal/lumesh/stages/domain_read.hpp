@@ -86,6 +86,8 @@ class DomainRead {
   [[nodiscard]] const ImageDomain* image_domain() const { return image_domain_.get(); }
 
  private:
+  /// The domain with the names of openings that frames before have.
+  [[nodiscard]] std::shared_ptr<const ImageDomain> named_by_frames(std::shared_ptr<const ImageDomain> domain);
   [[nodiscard]] const ImageShape& shape();
   [[nodiscard]] std::vector<std::string> with_folds(std::vector<std::string> differences,
                                                     const MeshView& mesh);
