@@ -86,6 +86,13 @@ inline MixedMesh every_cell_shape() {
   return mesh;
 }
 
+/// A view of the faces of a mesh, as a surface without cells has them.
+inline MeshView faces_alone(const MixedMesh& mesh) {
+  MeshView faces = mesh.view();
+  for_each_cell_list([](auto& cells, auto& labels) { cells = {}, labels = {}; }, faces);
+  return faces;
+}
+
 /// Positive definite, each with six numbers that are all different, so that no two may change places.
 inline std::vector<SymTensor> different_tensors(std::size_t count) {
   std::vector<SymTensor> tensors;

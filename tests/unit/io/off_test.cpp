@@ -38,7 +38,7 @@ TEST_F(OffFile, KeepsPointsOfFacesToTheLastBitAndNoOthers) {
   MixedMesh mesh = fixtures::every_cell_shape();
   mesh.points[3] = Vec3(0.1 + 0.2, 1.0 / 3.0, -1e-300);
   mesh.points.emplace_back(9, 9, 9);  // No face's.
-  write_surface(folder_ / "s.off", mesh.view());
+  write_surface(folder_ / "s.off", fixtures::faces_alone(mesh));
   EXPECT_EQ(folder_.file_count(), 1U) << "the temporary file stays";
   const MixedMesh back = read_mesh(folder_ / "s.off");
   EXPECT_EQ(back.points.size(), 12U);
