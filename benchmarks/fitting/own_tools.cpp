@@ -60,7 +60,8 @@ double resident() {
 WorkMesh lattice_mesh(const LabelImage& image, const ImageDomain& domain, double spacing_mm) {
   LatticeOptions options;
   options.spacing_mm = spacing_mm;
-  const double coarsest_mm = boundary_spacing_mm(options, domain) * std::exp2(options.coarsening);
+  const double coarsest_mm =
+      SizeGrid::boundary_spacing_mm(image, domain, options) * std::exp2(options.coarsening);
   const LatticeFrame frame =
       make_lattice_frame(domain, coarsest_mm, options.coarsening + options.max_refinement);
   const SizeGrid sizes(image, domain, options, coarsest_mm, image.voxels().size());

@@ -7,6 +7,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/joined.hpp"
 #include "lumesh/core/parse_number.hpp"
+#include "lumesh/core/trimmed.hpp"
 
 namespace lumesh {
 namespace {
@@ -82,7 +83,7 @@ std::optional<std::vector<double>> OptionRows::row_from(std::string_view text) c
   std::vector<double> row;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::optional<double> number = parse_number<double>(text.substr(begin, end - begin));
+    const std::optional<double> number = parse_number<double>(trimmed(text.substr(begin, end - begin)));
     if (!number || !std::isfinite(*number)) return std::nullopt;
     row.push_back(*number);
     begin = end + 1;

@@ -257,6 +257,12 @@ bool Columns::are_empty() const {
   return std::ranges::all_of(fraction, [](double share) { return share == 0; });
 }
 
+int Columns::max_count() const {
+  int most = 1;
+  for (std::size_t v = 0; v < fraction.size(); ++v) most = std::max(most, count(v));
+  return most;
+}
+
 void Columns::ask_for_what_is() {
   for (std::size_t v = 0; v < fraction.size(); ++v)
     if (fraction[v] > 0) asked[v] = fraction[v], limit[v] = LayerLimit::kNone;
@@ -275,7 +281,9 @@ WantedColumns wanted_columns(const LayerSurface& surface, const Directions& dire
   wanted.heights = height_schedule(options, most.empty() ? 0 : *std::ranges::max_element(most));
   const std::vector<double>& heights = wanted.heights;
   using Shortening = LayerProfile::Shortening;
-  const Shortening shortening = options.counts_by_sizes()                       ? Shortening::kDropEarly
+  constexpr double kMinGrowth = 1.1;  // Neighbours would differ by no more than such a thin layer.
+  const bool drops_early = options.counts_by_sizes() && options.growth >= kMinGrowth;
+  const Shortening shortening = drops_early                                     ? Shortening::kDropEarly
                                 : options.short_of_room == ShortOfRoom::kShrink ? Shortening::kAllLayers
                                                                                 : Shortening::kDropLate;
   wanted.columns = {std::move(scales),
@@ -297,8 +305,7 @@ WantedColumns wanted_columns(const LayerSurface& surface, const Directions& dire
 }
 
 void WantedColumns::drop_unused_layers() {
-  int used = 1;
-  for (std::size_t v = 0; v < columns.fraction.size(); ++v) used = std::max(used, columns.count(v));
+  const int used = columns.max_count();
   const double share = columns.profile.level(used);
   heights.resize(static_cast<std::size_t>(used));
   for (std::size_t v = 0; v < columns.fraction.size(); ++v) {

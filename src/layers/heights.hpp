@@ -75,6 +75,8 @@ struct Columns {
   LayerProfile profile;
 
   [[nodiscard]] int count(std::size_t v) const { return profile.count(fraction[v]); }
+  /// The most that a column has, at least one.
+  [[nodiscard]] int max_count() const;
   /// Share of the thickness asked for.
   [[nodiscard]] double reached(std::size_t v) const { return fraction[v] / asked[v]; }
   /// Whether a triangle has layers at any of its corners.

@@ -143,11 +143,13 @@ MetricAtFoot metric_at_foot(const TetMesh& mesh) {
   return [&mesh](const Vec3&, VertexId foot) { return mesh.metric(foot); };
 }
 
+/// @param counts_by_sizes  Heights are those of layers that are there: nobody asked for a number.
 LayerReport report_on(const TetMesh& mesh, const ExtrusionFrame& frame, const WantedColumns& wanted,
-                      bool is_inward) {
+                      bool is_inward, bool counts_by_sizes) {
   LayerReport report;
-  report.layers = static_cast<int>(wanted.heights.size());
   report.heights = differences_of(wanted.heights);
+  if (counts_by_sizes) report.heights.resize(static_cast<std::size_t>(wanted.columns.max_count()));
+  report.layers = static_cast<int>(report.heights.size());
   report.patches = coverage_of(mesh, frame, wanted.columns);
   report.surface = shares_on(frame.surface, wanted.columns, is_inward);
   return report;
@@ -165,7 +167,7 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Patch
   const auto layers_on = [&](const Footing& footing) {
     LayerResult result;
     result.mesh = context.phase("cells", [&] { return with_layers(footing, frame, columns, options); });
-    result.report = report_on(mesh, frame, wanted, is_inward);
+    result.report = report_on(mesh, frame, wanted, is_inward, options.counts_by_sizes());
     result.report.cells = result.mesh.view().cell_count() - footing.mesh.tet_count();
     if (columns.are_empty())
       context.warn("no layers: nowhere are cells of these heights sound; see the reasons");

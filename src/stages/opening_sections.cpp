@@ -171,7 +171,7 @@ std::string doubt_of_side(const Opening& opening, const SideCut& cut) {
       "it",
       opening.name, place_text(opening.centre_mm),
       cut.grows() ? fmt::format("grows by {:.0f} % or more", 100 * (cut.share - 1))
-                  : fmt::format("shrinks to {:.0f} % of its largest section", 100 * cut.share),
+                  : fmt::format("shrinks to {:.0f} % of the opening", 100 * cut.share),
       cut.depth_mm,
       cut.grows() ? "the side of a bend or a sac, or a mouth"
                   : "through a sac, a vessel along its length, or before a throat",

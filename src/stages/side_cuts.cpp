@@ -13,8 +13,8 @@ namespace lumesh {
 namespace {
 
 // In radii of the circle of the section's area.
-constexpr double kGrowthDepth = 0.35, kEndDepth = 1.05, kThroatDepth = 2.05;
-constexpr double kMostGrowth = 1.4, kLeastLeft = 0.2, kLeastBeforeThroat = 0.5;
+constexpr double kGrowthDepth = 0.35, kEndDepth = 1.05, kThroatDepth = 1.5;
+constexpr double kMostGrowth = 1.4, kLeastLeft = 0.2, kLeastBeforeThroat = 0.5, kLeastHalfWay = 0.76;
 constexpr double kMinRadius = 2;           // Voxels.
 constexpr std::size_t kMostOfSection = 8;  // Areas beyond this many of the section's are tissue, no vessel.
 constexpr double kDeviations = 2.5;
@@ -130,6 +130,7 @@ std::optional<SideCut> find_side_cut(const LabelImage& image, std::span<const Cu
                    std::max(static_cast<double>(section.edge_count), 8 * std::sqrt(area / std::numbers::pi)),
                chance = kDeviations * std::sqrt(2.0) * deviation_of_count(edges);
   double depth_mm = 0, largest = area;
+  std::vector<double> areas = {area};
   bool may_be_sac = true;
   const auto end_mm = [&] {
     return may_be_sac ? kThroatDepth * std::sqrt(largest / area) * radius_mm : kEndDepth * radius_mm;
@@ -139,6 +140,7 @@ std::optional<SideCut> find_side_cut(const LabelImage& image, std::span<const Cu
     if (layers.are_cut()) return std::nullopt;
     depth_mm += layers.step_mm();
     const auto now = static_cast<double>(layers.area());
+    areas.push_back(now);
     const bool is_near = depth_mm <= std::max(kGrowthDepth * radius_mm, layers.step_mm());
     const double of_all = std::max(area, static_cast<double>(layers.area_at_border()));
     const bool has_grown = now - chance > kMostGrowth * of_all;
@@ -147,8 +149,12 @@ std::optional<SideCut> find_side_cut(const LabelImage& image, std::span<const Cu
     // Vessels that turn grow along themselves, and those that leave through another face shrink there.
     may_be_sac = may_be_sac && layers.count_other_faces() == 0 && (!has_grown || layers.are_compact());
     largest = std::max(largest, now);
-    if (may_be_sac && now + chance < kLeastBeforeThroat * largest) return SideCut{depth_mm, now / largest};
-    if (now + chance < kLeastLeft * area) return SideCut{depth_mm, now / largest};
+    if (may_be_sac && now + chance < kLeastBeforeThroat * area) {
+      // Sacs shrink faster and faster; vessels that taper do not.
+      may_be_sac = 0.5 * (areas[(areas.size() - 1) / 2] + areas[areas.size() / 2]) > kLeastHalfWay * area;
+      if (may_be_sac) return SideCut{depth_mm, now / area};
+    }
+    if (now + chance < kLeastLeft * area) return SideCut{depth_mm, now / area};
   }
   return std::nullopt;
 }

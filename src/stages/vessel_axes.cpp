@@ -181,9 +181,9 @@ CutPlane towards_end(const AxisPlace& place, const Vec3& end) {
 void turn_square(AxisPlace& place, const AxisAtPlace& axis_at_place) {
   const std::optional<Vec3> axis = axis_at_place(place);
   if (!axis)
-    throw Error(ErrorKind::kBadInput, "the direction of its axis cannot be told at " +
-                                          place_text(place.across.point_mm) +
-                                          ", where vessels join or change; cut it with `cut_plane`");
+    throw Error(ErrorKind::kBadInput,
+                "the direction of its axis cannot be told at " + place_text(place.across.point_mm) +
+                    ", where vessels join, bend sharply or are thin; cut it with `cut_plane`");
   place.across.normal = *axis;
 }
 

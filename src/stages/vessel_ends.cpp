@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 
@@ -11,6 +12,7 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/patched_surface.hpp"
+#include "lumesh/geometry/triangle.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/mesh/cell_sides.hpp"
 #include "lumesh/mesh/parts.hpp"
@@ -219,6 +221,23 @@ std::string closed_surface_warning(const Domain& domain) {
   return closed_surface_warning(patches, domain.flat_ends());
 }
 
+/// The patch of a flat end, and flat ones beside it in its plane, such as the lumen's within a wall's.
+std::set<std::string> patches_in_plane(const MixedMesh& surface, const FlatEnd& end) {
+  constexpr double kOff = 1e-3;  // Of the end's radius.
+  const double near_mm = kOff * circle_radius(end.area_mm2);
+  std::vector<bool> is_flat(surface.info.patches.size(), true), is_used(surface.info.patches.size(), false);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto p = static_cast<std::size_t>(surface.triangle_patches[t]);
+    is_used[p] = true;
+    for (const std::uint32_t v : surface.triangles[t])
+      if (std::abs(end.normal.dot(surface.points[v] - end.centre_mm)) > near_mm) is_flat[p] = false;
+  }
+  std::set<std::string> names = {end.name};
+  for (std::size_t p = 0; p < is_flat.size(); ++p)
+    if (is_used[p] && is_flat[p]) names.insert(surface.info.patches[p].name);
+  return names;
+}
+
 std::string walled_ends_warning(const MixedMesh& mesh) {
   const std::vector<Patch>& patches = mesh.info.patches;
   if (std::ranges::any_of(patches, [](const Patch& patch) { return is_plane(patch.kind); })) return "";
@@ -244,7 +263,7 @@ std::string walled_ends_warning(const MixedMesh& mesh) {
   try {
     const PatchedSurface surface(surface_view(outside));
     std::set<std::string> names;
-    for (const FlatEnd& end : surface.flat_ends()) names.insert(end.name);
+    for (const FlatEnd& end : surface.flat_ends()) names.merge(patches_in_plane(outside, end));
     if (names.empty()) return "";
     const bool has_patches =
         std::ranges::all_of(names, [&](const auto& name) { return has_patch_called(patches, name); });

@@ -311,7 +311,8 @@ time_limit = 5
 TEST_F(CaseFile, OneRowOfNumbersIsAListOrATextByItself) {
   const std::string head = "[input]\nphantom = \"torus\"\n";
   const std::vector<Vec3> place = {{1, -2.5, 0.1}};
-  for (const char* row : {"[[1, -2.5, 0.1]]", "[1, -2.5, 0.1]", "\"1,-2.5,0.1\"", "[\"1,-2.5,0.1\"]"})
+  for (const char* row :
+       {"[[1, -2.5, 0.1]]", "[1, -2.5, 0.1]", "\"1,-2.5,0.1\"", "[\"1,-2.5,0.1\"]", "\"1, -2.5, 0.1\""})
     EXPECT_EQ(read(head + "cut_at = " + row + "\n").input.cuts.places_mm, place) << row;
   EXPECT_EQ(read(head, {"input.cut_at=1,-2.5,0.1"}).input.cuts.places_mm, place);
   EXPECT_EQ(read(head + "phantom_spacing = \"1,2,3\"\n").input.phantom_spec.spacing_mm, Vec3(1, 2, 3));

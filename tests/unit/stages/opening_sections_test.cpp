@@ -120,7 +120,8 @@ TEST(OpeningSections, SacsThatTheBorderCutsThroughAreNoEnds) {
   }
 }
 
-/// Vessels that turn parallel to the border right behind it, and throats of 60 % of the area.
+/// Vessels that turn parallel to the border right behind it, throats of 60 % of the area, bulges behind the
+/// end, and vessels that taper to a third.
 TEST(OpeningSections, VesselsThatTurnOrNarrowBehindTheBorderAreNoSacs) {
   for (const double bend : {7.0, 9.0, 12.0}) {  // Radius of the axis; the vessel's is 5.
     const LabelImage turning =
@@ -139,6 +140,17 @@ TEST(OpeningSections, VesselsThatTurnOrNarrowBehindTheBorderAreNoSacs) {
           return std::hypot(p.y() - 19.7, p.z() - 18.2) < r ? 1 : 0;
         });
     EXPECT_FALSE(is_told(throat, "what lies behind it")) << place;
+  }
+  const auto round = [](const auto& radius_at) {
+    return fixtures::voxels_of(fixtures::frame_of({60, 50, 50}), {0, 1}, [&](const Vec3& p) {
+      return std::hypot(p.y() - 24.7, p.z() - 24.2) < radius_at(p.x()) ? 1 : 0;
+    });
+  };
+  const LabelImage bulge = round([](double x) { return 6 + 6 * std::exp(-0.02 * (x - 14) * (x - 14)); });
+  EXPECT_FALSE(is_told(bulge, "shrinks to"));
+  for (const double end : {6.0, 8.0, 10.0}) {
+    const LabelImage taper = round([&](double x) { return end - std::min(0.033 * end * x, 0.67 * end); });
+    EXPECT_FALSE(is_told(taper, "shrinks to")) << end;
   }
 }
 
