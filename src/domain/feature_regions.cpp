@@ -18,15 +18,11 @@ constexpr std::uint32_t kNoRegion = ~0u;
 
 /// Numbers the regions by falling area, and places where areas are alike.
 FeatureRegions sorted_by_area(const ClosedSurface& surface, FeatureRegions found) {
-  std::vector<AreaAtPlace> items(found.count());
-  for (std::uint32_t t = 0; t < found.of_triangle.size(); ++t) {
-    const Vec3 &a = surface.corner(t, 0), &b = surface.corner(t, 1), &c = surface.corner(t, 2);
-    items[found.of_triangle[t]].centre_mm += triangle_area(a, b, c) * triangle_centre(a, b, c);
-  }
-  for (std::uint32_t r = 0; r < found.count(); ++r) {
-    items[r].area_mm2 = found.areas_mm2[r];
-    if (found.areas_mm2[r] > 0) items[r].centre_mm /= found.areas_mm2[r];
-  }
+  std::vector<AreaSum> sums(found.count());
+  for (std::uint32_t t = 0; t < found.of_triangle.size(); ++t)
+    sums[found.of_triangle[t]].add(surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2));
+  std::vector<AreaAtPlace> items;
+  for (const AreaSum& sum : sums) items.push_back(area_at_place(sum));
   std::vector<std::uint32_t> number(found.count());
   FeatureRegions sorted;
   for (const std::size_t r : order_by_area(items)) {

@@ -23,7 +23,7 @@ class OpeningGroups {
   struct Group {
     std::vector<std::uint32_t> triangles;
     Material inside = 0, outside = 0;
-    double area_mm2 = 0;
+    AreaSum sum;                     // In mm².
     std::vector<Vec3> centres_mm;    // Of its triangles.
     bool is_beside_another = false;  // An opening of another label.
   };
@@ -70,19 +70,14 @@ class OpeningGroups {
       Group& group = groups_[at->second];
       const BoundaryTriangle& t = boundary[members_[i]];
       const Vec3 &a = positions[t.vertices[0]], &b = positions[t.vertices[1]], &c = positions[t.vertices[2]];
-      const double area = triangle_area(a, b, c);
       group.triangles.push_back(members_[i]);
       group.inside = t.inside;
       group.outside = t.outside;
-      group.area_mm2 += area;
+      group.sum.add(a, b, c);
       group.centres_mm.push_back(triangle_centre(a, b, c));
     }
     for (const std::uint32_t i : beside_another_) groups_[number.at(sets_.find(i))].is_beside_another = true;
-    sort_by_area(groups_, [](const Group& group) {
-      Vec3 sum = Vec3::Zero();
-      for (const Vec3& centre : group.centres_mm) sum += centre;
-      return AreaAtPlace{group.area_mm2, sum / static_cast<double>(group.centres_mm.size())};
-    });
+    sort_by_area(groups_, [](const Group& group) { return area_at_place(group.sum); });
   }
 
   std::vector<std::uint32_t> members_;
@@ -150,7 +145,7 @@ class OpeningNames {
       const std::size_t opening = opening_of(group);
       if (opening < openings_.size())
         by_number[opening].push_back(&group);
-      else if (!openings_.empty() && group.area_mm2 < kSliver * voxel_face_mm2(domain_, normal_of(group)))
+      else if (!openings_.empty() && group.sum.area < kSliver * voxel_face_mm2(domain_, normal_of(group)))
         set(group, wall_of(group));
       else
         by_number[next++].push_back(&group);
@@ -169,14 +164,14 @@ class OpeningNames {
   /// Where a wall slants, single triangles of it lie in the plane beside the opening.
   static bool is_splinter(const OpeningGroups::Group& group, const OpeningGroups::Group& largest) {
     constexpr double kShare = 0.05;
-    return !group.is_beside_another && group.area_mm2 < kShare * largest.area_mm2;
+    return !group.is_beside_another && group.sum.area < kShare * largest.sum.area;
   }
 
   [[nodiscard]] const Vec3& normal_of(const OpeningGroups::Group& group) const {
     return domain_.cut_plane(group.outside).normal;
   }
   [[nodiscard]] std::size_t opening_of(const OpeningGroups::Group& group) const {
-    if (openings_.empty() || !(group.area_mm2 > 0)) return openings_.size();
+    if (openings_.empty() || !(group.sum.area > 0)) return openings_.size();
     return opening_of_places(openings_, domain_.label_of(group.inside), group.centres_mm, normal_of(group));
   }
   [[nodiscard]] std::int32_t add(const OpeningGroups::Group& group, std::size_t number) {

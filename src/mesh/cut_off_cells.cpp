@@ -328,8 +328,7 @@ class Cutter {
     Label label;
   };
   struct Piece {
-    double area = 0;
-    Vec3 centre_sum = Vec3::Zero();
+    AreaSum sum;
     std::vector<std::size_t> faces;
   };
 
@@ -384,15 +383,12 @@ class Cutter {
     for (std::size_t f = 0; f < faces.size(); ++f) {
       const auto& [a, b, c] = faces[f].corners;
       Piece& piece = by_root[joined.find(static_cast<std::uint32_t>(f))];
-      piece.area += triangle_area(mesh_.points[a], mesh_.points[b], mesh_.points[c]);
-      piece.centre_sum += triangle_centre(mesh_.points[a], mesh_.points[b], mesh_.points[c]);
+      piece.sum.add(mesh_.points[a], mesh_.points[b], mesh_.points[c]);
       piece.faces.push_back(f);
     }
     std::vector<Piece> pieces;
     for (auto& [root, piece] : by_root) pieces.push_back(std::move(piece));
-    sort_by_area(pieces, [](const Piece& piece) {
-      return AreaAtPlace{piece.area, piece.centre_sum / static_cast<double>(piece.faces.size())};
-    });
+    sort_by_area(pieces, [](const Piece& piece) { return area_at_place(piece.sum); });
     return pieces;
   }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lumesh/core/types.hpp"
+#include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh {
 
@@ -14,6 +15,12 @@ struct AreaAtPlace {
   double area_mm2 = 0;
   Vec3 centre_mm = Vec3::Zero();
 };
+
+/// Area and centre of faces; their centres weigh as their areas, so that it does not matter how faces are
+/// divided.
+[[nodiscard]] inline AreaAtPlace area_at_place(const AreaSum& sum) {
+  return {sum.area, sum.area > 0 ? sum.centre() : sum.moment};
+}
 
 /// Numbers of items by falling area; areas that differ by less than half a per cent count as equal, and are
 /// ordered by their centres: by z, then y, then x, each ascending, where coordinates that differ by less than

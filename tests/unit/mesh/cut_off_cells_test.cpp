@@ -123,6 +123,36 @@ TEST(CutOffCells, EachLabelGetsAnOpening) {
   EXPECT_TRUE(report.ok()) << report.text();
 }
 
+// The mean of the centres of triangles lies where they are small.
+TEST(CutOffCells, TheOrderOfOpeningsDoesNotDependOnTheirTriangles) {
+  for (const bool is_first_uneven : {false, true}) {
+    MixedMesh mesh = cube(4), other = cube(4);
+    for (Vec3& p : (is_first_uneven ? mesh : other).points) {
+      const double off = is_first_uneven ? 1 - p.y() : p.y();
+      p.y() = is_first_uneven ? 1 - off * off : off * off;
+    }
+    const auto first = static_cast<std::uint32_t>(mesh.points.size());
+    for (const Vec3& p : other.points) mesh.points.emplace_back(p + Vec3(5, 0, 0));
+    for (Cell<4> tet : other.tetrahedra) {
+      for (std::uint32_t& v : tet) v += first;
+      mesh.tetrahedra.push_back(tet);
+      mesh.tetrahedron_labels.push_back(mesh.tetrahedron_labels[0]);
+    }
+    for (Cell<3> triangle : other.triangles) {
+      for (std::uint32_t& v : triangle) v += first;
+      mesh.triangles.push_back(triangle);
+      mesh.triangle_patches.push_back(mesh.triangle_patches[0]);
+    }
+    const std::size_t patches = mesh.info.patches.size();
+    cut_off_beyond(mesh, Vec3(0, 0, 0.6), Vec3::UnitZ());
+    ASSERT_EQ(mesh.info.patches.size(), patches + 2);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      if (const auto p = static_cast<std::size_t>(mesh.triangle_patches[t]); p >= patches) {
+        EXPECT_EQ(p - patches, mesh.points[mesh.triangles[t][0]].x() < 2 ? 0 : 1) << is_first_uneven;
+      }
+  }
+}
+
 // Cutting off the corners of all tetrahedra at an opening would leave slivers.
 TEST(CutOffCells, AnOpeningCloseToThePlaneMovesIntoIt) {
   for (const double by : {1e-6, 0.01}) {
