@@ -43,10 +43,10 @@ class Extruder {
       if (patches()[p].kind != PatchKind::kOpening || is_done[p]) continue;
       SweptSection section = SectionFinder(mesh()).section_at(static_cast<std::int32_t>(p));
       for (const std::int32_t q : section.patches) is_done[static_cast<std::size_t>(q)] = true;
-      if (const double length_mm = wanted_mm(section, lengths); length_mm > 0 && !section.faces.empty()) {
-        take_axis_of_end(section);
-        extend(std::move(section), length_mm);
-      }
+      if (section.faces.empty() || !(wanted_mm(section, lengths) > 0)) continue;
+      take_axis_of_end(section);
+      const double length_mm = wanted_mm(section, lengths);  // Of the radius across that axis.
+      extend(std::move(section), length_mm);
     }
     return std::move(result_);
   }

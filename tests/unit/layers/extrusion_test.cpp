@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "fixtures/meshes.hpp"
@@ -244,6 +246,51 @@ TEST(ExtrudeOpenings, OpeningsThatMeetAtAnEdgeGoOnEachByItself) {
   EXPECT_NEAR((middle_of(made.mesh, "side") - middle_of(before, "side")).norm(), 0, 1e-9);
   EXPECT_NEAR(area_of(made.mesh, "side"), area_of(before, "side"), 1e-9);  // The sides are walls.
   fixtures::expect_conforming(made.mesh);
+}
+
+/// A closed surface around z, of radius 2, cut off by 45 degrees above; every second ring and corner of its
+/// wall is moved outwards.
+MixedMesh rough_oblique_tube(double out_mm) {
+  constexpr std::uint32_t kAround = 32, kRows = 20;
+  MixedMesh mesh;
+  mesh.info.patches = {{"wall", PatchKind::kWall, {1, kBackground}},
+                       {"low", PatchKind::kOpening, {1, kBackground}},
+                       {"top", PatchKind::kOpening, {1, kBackground}}};
+  for (std::uint32_t k = 0; k <= kRows; ++k)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const double share = static_cast<double>(k) / kRows, angle = 2 * fixtures::kPi * i / kAround;
+      const double r = 2 + (k > 0 && k < kRows && (k + i) % 2 == 0 ? out_mm : 0), x = r * std::cos(angle);
+      mesh.points.emplace_back(x, r * std::sin(angle), 10 * share + x * share);
+    }
+  const auto low = static_cast<std::uint32_t>(mesh.points.size());
+  mesh.points.emplace_back(0, 0, 0), mesh.points.emplace_back(0, 0, 10);
+  const auto add = [&](const Cell<3>& triangle, std::int32_t patch) {
+    mesh.triangles.push_back(triangle);
+    mesh.triangle_patches.push_back(patch);
+  };
+  const auto at = [](std::uint32_t k, std::uint32_t i) { return k * kAround + i % kAround; };
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    for (std::uint32_t k = 0; k < kRows; ++k) {
+      add({at(k, i), at(k, i + 1), at(k + 1, i)}, 0);
+      add({at(k, i + 1), at(k + 1, i + 1), at(k + 1, i)}, 0);
+    }
+    add({at(0, i + 1), at(0, i), low}, 1);
+    add({at(kRows, i), at(kRows, i + 1), low + 1}, 2);
+  }
+  return mesh;
+}
+
+// By the area of the end, which is oblique, it was 19 % too long.
+TEST(ExtrudeOpenings, TheLengthCountsTheRadiusAcrossTheAxisThatIsTaken) {
+  const AxisOfEnd along_z = [](const Vec3&, const Vec3&, double) { return Vec3(Vec3::UnitZ()); };
+  const double radius_mm = std::sqrt(16 * std::sin(fixtures::kPi / 16) * 4 / fixtures::kPi);
+  for (const double out_mm : {0.0, 0.4}) {
+    const MixedMesh before = rough_oblique_tube(out_mm);
+    const MixedMesh mesh =
+        extrude_openings(before, named_lengths_from("top=5r"), LayerCells::kPrisms, std::nullopt, along_z)
+            .mesh;
+    EXPECT_NEAR((middle_of(mesh, "top") - Vec3(0, 0, 10)).norm(), 5 * radius_mm, 0.01 * radius_mm) << out_mm;
+  }
 }
 
 TEST(ExtrudeOpenings, RefusesWhatIsNoOpening) {

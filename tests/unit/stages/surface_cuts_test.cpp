@@ -240,7 +240,8 @@ TEST_F(SurfaceCuts, AnExtensionFollowsAVesselThatBendsAndTapersToAnObliqueEnd) {
 }
 
 /// The boundary of the voxels of 0.5 mm within 2.2 mm of an axis through the origin, up to 12 mm to both
-/// sides, with each vertex in the middle of its neighbours: stairs as marching cubes leave them.
+/// sides, with each vertex moved by a share of the way to the middle of its neighbours: by all of it, stairs
+/// as marching cubes leave them.
 TriangleSoup stairs_around(const Vec3& axis) {
   constexpr double kVoxel = 0.5;
   constexpr int kReach = 26;
@@ -279,16 +280,23 @@ TriangleSoup stairs_around(const Vec3& axis) {
 }
 
 TEST_F(SurfaceCuts, ExtensionsOfStairSurfacesFollowTheVessel) {
-  for (const Vec3& given : {Vec3(0.42, 0.1, 0.9), Vec3(0.3, 0.3, 0.85)}) {
-    const Vec3 axis = given.normalized();
-    InputCuts cuts;
-    cuts.planes = {{8 * axis, axis + 0.4 * axis.unitOrthogonal()}, {-8 * axis, -axis}};
-    cuts.extension.lengths = named_lengths_from("4r");
-    const auto domain = read(stairs_around(axis), cuts).domain({});
-    ASSERT_EQ(domain->flat_ends().size(), 2U);
-    for (const FlatEnd& end : domain->flat_ends())
-      EXPECT_GT(std::abs(end.normal.dot(axis)), std::cos(2 * kPi / 180)) << given.transpose() << end.name;
-  }
+  for (const double slope : {0.4, 0.9})
+    for (const Vec3& given : {Vec3(0.42, 0.1, 0.9), Vec3(0.3, 0.3, 0.85)}) {
+      const Vec3 axis = given.normalized(), on_axis = -Vec3(0.11, 0.07, 0.13);
+      InputCuts cuts;
+      cuts.planes = {{8 * axis, axis + slope * axis.unitOrthogonal()}, {-8 * axis, -axis}};
+      cuts.extension.lengths = named_lengths_from("4r");
+      const auto domain = read(stairs_around(axis), cuts).domain({});
+      ASSERT_EQ(domain->flat_ends().size(), 2U);
+      for (const FlatEnd& end : domain->flat_ends()) {
+        EXPECT_GT(std::abs(end.normal.dot(axis)), std::cos(2 * kPi / 180)) << given.transpose() << end.name;
+        const CutPlane& plane = cuts.planes[end.normal.dot(axis) > 0 ? 0 : 1];
+        const Vec3 before = on_axis - plane.height(on_axis) / plane.normal.dot(axis) * axis;
+        const double radius_mm = std::sqrt(end.area_mm2 / kPi);
+        EXPECT_NEAR((end.centre_mm - before).norm(), 4 * radius_mm, 0.02 * 4 * radius_mm)
+            << given.transpose() << slope << end.name;
+      }
+    }
 }
 
 TEST_F(SurfaceCuts, AnEndThatIsClippedKeepsItsName) {
