@@ -229,7 +229,8 @@ class SectionWalk {
 
 /// Slope of the centres at height 0 by least squares in powers of the height up to the second. The curvature
 /// is shrunk by what chance explains of its square, three times over, as errors of neighbouring sections are
-/// alike: a straight vessel of few voxels would lean.
+/// alike: a straight vessel of few voxels would lean. The error's part of the curvature has the share that is
+/// kept, not its square, as it includes what the shrinking takes off a vessel that does bend.
 struct FittedSlope {
   Vec3 slope = Vec3::Zero();
   double error = 0;  // Standard deviation of a component.

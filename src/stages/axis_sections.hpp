@@ -46,8 +46,8 @@ using SectionOf = std::function<std::optional<VesselSection>(const CutPlane& pla
 struct AxisDirection {
   enum class Doubt : std::uint8_t {
     kNone,
-    kShort,   ///< Sections of one vessel do not reach a radius, as before ends and borders.
-    kJoined,  ///< Nor do they, because sections become longer there: vessels join.
+    kShort,   ///< Sections of one vessel are fewer than four, or within a radius: ends and borders are near.
+    kJoined,  ///< So are they, and to one side at least they become longer, or shorter: vessels join.
   };
   Doubt doubt = Doubt::kNone;
   Vec3 unit = Vec3::Zero();  ///< In the sense of the plane's normal.
