@@ -10,6 +10,7 @@ import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkFiltersGeneral import vtkCellValidator
+from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
 from vtkmodules.vtkIOGeometry import vtkOpenFOAMReader, vtkSTLReader
 from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader, vtkUnstructuredGridWriter
@@ -53,6 +54,14 @@ def vtk_data(path):
     if window.GetOutput():
         raise Complaint(f"VTK on {path.name}: {window.GetOutput()}")
     return reader.GetOutput()
+
+
+def vtk_outer_faces(data):
+    """The faces of cells that no other cell has."""
+    surface = vtkDataSetSurfaceFilter()
+    surface.SetInputData(data)
+    surface.Update()
+    return surface.GetOutput()
 
 
 def vtk_blocks(path):
