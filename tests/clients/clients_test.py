@@ -186,8 +186,9 @@ class OffTest(unittest.TestCase):
     def test_off_holds_every_outer_triangle_where_it_has_no_others(self, files):
         if "quad" not in readers.meshio_mesh(files / "a41.msh", "gmsh:physical").cells:  # meshio takes triangles alone.
             mesh = readers.meshio_mesh(files / "a.off", None)
-            self.assertEqual(mesh.count(["triangle"]), files.outside.GetNumberOfCells())
-            self.assertEqual(len(mesh.points), files.outside.GetNumberOfPoints())
+            outside = files.outside
+            self.assertEqual(mesh.count(["triangle"]), outside.GetNumberOfCells())
+            self.assertEqual(len(mesh.points), outside.GetNumberOfPoints())
 
 
 class OpenFoamTest(unittest.TestCase):
@@ -248,7 +249,8 @@ class MeshioTest(unittest.TestCase):
 
     @for_each()
     def test_stl_holds_every_outer_face(self, files):
-        triangles = sum(files.outside.GetCell(i).GetNumberOfPoints() - 2 for i in range(files.outside.GetNumberOfCells()))
+        outside = files.outside
+        triangles = sum(outside.GetCell(i).GetNumberOfPoints() - 2 for i in range(outside.GetNumberOfCells()))
         self.assertEqual(readers.meshio_mesh(files / "a.stl", None).count(["triangle"]), triangles)
 
     @for_each()
