@@ -13,6 +13,7 @@
 #include "lumesh/core/counted.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/io/file_formats.hpp"
+#include "lumesh/io/patch_names.hpp"
 #include "lumesh/io/surface_file.hpp"
 #include "lumesh/mesh/outer_faces.hpp"
 #include "mesh_formats.hpp"

@@ -1,5 +1,7 @@
 #include "lumesh/stages/input.hpp"
 
+#include <fmt/format.h>
+
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/image/phantom.hpp"
