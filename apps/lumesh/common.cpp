@@ -41,8 +41,12 @@ std::string given_options(const CLI::App& command) {
   return all;
 }
 
-/// Documents so far of the array that a JsonArray makes of them; none without one.
-std::optional<std::size_t> json_elements;
+/// Documents so far of the array that a JsonArray makes of them; none without one. It belongs to the standard
+/// output, of which there is one.
+std::optional<std::size_t>& json_elements() {
+  static std::optional<std::size_t> elements;
+  return elements;
+}
 
 /// Outputs that are wanted, and in files.
 std::vector<std::string> files_among(std::vector<std::string> outputs) {
@@ -96,21 +100,21 @@ CLI::Option* add_json_option(CLI::App& command, std::string& path, RunOptions& o
 }
 
 JsonArray::JsonArray() {
-  json_elements = 0;
+  json_elements() = 0;
 }
 
 JsonArray::~JsonArray() {
-  if (*json_elements > 0) print_out("\n]\n");
-  json_elements.reset();
+  if (*json_elements() > 0) print_out("\n]\n");
+  json_elements().reset();
 }
 
 void write_json(const std::string& path, const std::string& text) {
   std::string whole = text.ends_with('\n') ? text : text + "\n";
   if (path.empty()) return;
   if (path != kStandardOutput) return write_text_file(path, whole);
-  if (json_elements) {
+  if (json_elements()) {
     whole.pop_back();
-    whole.insert(0, (*json_elements)++ == 0 ? "[\n" : ",\n");
+    whole.insert(0, (*json_elements())++ == 0 ? "[\n" : ",\n");
   }
   print_out("{}", whole);
 }

@@ -90,8 +90,9 @@ class LayersBehind {
 
  private:
   [[nodiscard]] Eigen::Vector2d place_mm(std::size_t square) const {
-    return {static_cast<double>(square % grid_.columns) * image_.frame().spacing_mm[grid_.u],
-            static_cast<double>(square / grid_.columns) * image_.frame().spacing_mm[grid_.v]};
+    const std::size_t column = square % grid_.columns, row = square / grid_.columns;
+    return {static_cast<double>(column) * image_.frame().spacing_mm[grid_.u],
+            static_cast<double>(row) * image_.frame().spacing_mm[grid_.v]};
   }
   [[nodiscard]] bool is_object(std::size_t square, int layer) const {
     return image_.at(grid_.voxel(square, layer)) != 0;
