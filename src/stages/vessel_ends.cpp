@@ -14,7 +14,7 @@
 #include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/io/mesh_file.hpp"
-#include "lumesh/mesh/cell_sides.hpp"
+#include "lumesh/mesh/outer_faces.hpp"
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/patch_renaming.hpp"
@@ -247,17 +247,17 @@ std::string walled_ends_warning(const MixedMesh& mesh) {
     return with_faces.triangles.empty() ? "" : walled_ends_warning(with_faces);
   }
   // Files that do not say what a patch is have walls between labels, too.
-  std::optional<CellSides> sides;
-  if (labels_of(mesh).size() > 1) sides.emplace(mesh.view());
+  std::optional<OuterFaces> outer;
+  if (labels_of(mesh).size() > 1) outer.emplace(mesh.view());
+  const MeshView faces = outer ? outer->view() : mesh.view();
   MixedMesh outside;
   outside.points = mesh.points;
   outside.info.patches = patches;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto p = static_cast<std::size_t>(mesh.triangle_patches[t]);
+  for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
+    const auto p = static_cast<std::size_t>(faces.triangle_patches[t]);
     if (p >= patches.size() || patches[p].kind != PatchKind::kWall) continue;
-    if (sides && sides->find(face_of(mesh.triangles[t])).size() > 1) continue;
-    outside.triangles.push_back(mesh.triangles[t]);
-    outside.triangle_patches.push_back(mesh.triangle_patches[t]);
+    outside.triangles.push_back(faces.triangles[t]);
+    outside.triangle_patches.push_back(faces.triangle_patches[t]);
   }
   if (outside.triangles.empty()) return "";
   try {

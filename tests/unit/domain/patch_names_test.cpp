@@ -12,15 +12,19 @@
 namespace lumesh {
 namespace {
 
-/// A tube of radius 2 with its end at z = 0: a square of two triangles is the opening; another triangle that
-/// lies in the plane, and meets it in a corner, is of the wall if it is small.
-TEST(PatchNames, SplintersBesideAnOpeningAreWall) {
+/// A tube of radius 2 along z, cut off at z = 0.
+fixtures::AnalyticDomain tube_with_end() {
   fixtures::AnalyticDomainOptions options;
   options.bounds_mm = Box3(Vec3(-3, -3, -4), Vec3(3, 3, 1));
   options.resolution_mm = 0.25;
   options.cut_planes = {{Vec3::Zero(), Vec3::UnitZ()}};
-  const fixtures::AnalyticDomain domain({{1, fixtures::cylinder_shape(Vec3::Zero(), Vec3::UnitZ(), 2)}},
-                                        options);
+  return {{{1, fixtures::cylinder_shape(Vec3::Zero(), Vec3::UnitZ(), 2)}}, options};
+}
+
+/// A tube of radius 2 with its end at z = 0: a square of two triangles is the opening; another triangle that
+/// lies in the plane, and meets it in a corner, is of the wall if it is small.
+TEST(PatchNames, SplintersBesideAnOpeningAreWall) {
+  const fixtures::AnalyticDomain domain = tube_with_end();
   const Material beyond = domain.material_beyond(0);
   const std::vector<BoundaryTriangle> boundary = {
       {{0, 1, 2}, 1, beyond}, {{0, 2, 3}, 1, beyond}, {{2, 4, 5}, 1, beyond}, {{0, 1, 6}, 1, 0}};
@@ -59,12 +63,7 @@ void add_square(double x, double share, Material beyond, std::vector<Vec3>& poin
 
 // The mean of the centres of triangles lies where they are small.
 TEST(PatchNames, TheOrderOfOpeningsDoesNotDependOnTheirTriangles) {
-  fixtures::AnalyticDomainOptions options;
-  options.bounds_mm = Box3(Vec3(-3, -3, -4), Vec3(3, 3, 1));
-  options.resolution_mm = 0.25;
-  options.cut_planes = {{Vec3::Zero(), Vec3::UnitZ()}};
-  const fixtures::AnalyticDomain domain({{1, fixtures::cylinder_shape(Vec3::Zero(), Vec3::UnitZ(), 2)}},
-                                        options);
+  const fixtures::AnalyticDomain domain = tube_with_end();
   for (const double share : {0.4, 0.8, 1.0}) {  // Off both are openings that the domain does not know.
     std::vector<Vec3> points;
     std::vector<BoundaryTriangle> boundary;
