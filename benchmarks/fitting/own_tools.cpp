@@ -64,7 +64,7 @@ WorkMesh lattice_mesh(const LabelImage& image, const ImageDomain& domain, double
       SizeGrid::boundary_spacing_mm(image, domain, options) * std::exp2(options.coarsening);
   const LatticeFrame frame =
       make_lattice_frame(domain, coarsest_mm, options.coarsening + options.max_refinement);
-  const SizeGrid sizes(image, domain, options, coarsest_mm, image.voxels().size());
+  const SizeGrid sizes(image, domain, options, coarsest_mm, image.voxels().size(), OpeningSizes(domain));
   return make_work_mesh(refined_lattice(frame, domain, sizes), frame, domain);
 }
 

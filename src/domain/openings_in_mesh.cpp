@@ -62,8 +62,15 @@ OpeningShape shape_of(TriangleMesh surface, const Opening& opening) {
   shape.parts = surfaces::turn_alike(surface).count;
   const std::vector<surfaces::Rim> rims = surfaces::find_rims(surface);
   shape.rims = rims.size();
-  for (const surfaces::Rim& rim : rims)
-    if (shape.edges == 0 || rim.vertices.size() < shape.edges) shape.edges = rim.vertices.size();
+  double length_mm = 0;
+  std::size_t edges = 0;
+  for (const surfaces::Rim& rim : rims) {
+    const std::size_t count = rim.vertices.size();
+    if (shape.edges == 0 || count < shape.edges) shape.edges = count;
+    edges += count;
+    length_mm += static_cast<double>(count) * rim.mean_edge_mm;
+  }
+  if (edges > 0) shape.edge_mm = length_mm / static_cast<double>(edges);
   for (const Vec3& x : surface.points) {
     const double off_mm = std::abs(opening.normal.dot(x - opening.centre_mm));
     if (off_mm > shape.off_mm) {
@@ -155,6 +162,11 @@ OpeningsCompared compare_openings(const MeshView& mesh, std::span<const Opening>
   for (std::size_t o = 0; o < openings.size(); ++o)
     result.openings[o].shape = shape_of(as_surface(mesh.points, triangles[o]), openings[o]);
   return result;
+}
+
+bool is_coarse(const OpeningInMesh& opening) {
+  // Ends of surfaces that are not flat are so in the surface for the most part.
+  return is_wrong(opening) || (!opening.opening.is_of_surface && !flaws_of(opening).empty());
 }
 
 std::vector<std::string> faults_of(const OpeningsCompared& compared) {

@@ -33,7 +33,7 @@ double estimated_tetrahedra(const LabelImage& image, const ImageDomain& domain,
   const double coarsest_mm =
       SizeGrid::boundary_spacing_mm(image, domain, options) * std::exp2(options.coarsening);
   const int levels = options.coarsening + options.max_refinement;
-  const SizeGrid sizes(image, domain, options, coarsest_mm, object_voxels);
+  const SizeGrid sizes(image, domain, options, coarsest_mm, object_voxels, OpeningSizes(domain));
   std::vector<Vec3> places = sample_object(image, kPlaces).places;
   std::erase_if(places, [&](const Vec3& place) { return domain.material_at(place) == 0; });  // Beyond cuts.
   if (places.empty()) return 0;

@@ -7,6 +7,7 @@
 #include "hexahedra.hpp"
 #include "labelled_lattice.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/domain/opening_sizes.hpp"
 #include "lumesh/domain/patch_names.hpp"
 #include "lumesh/fitting/boundary_choice.hpp"
 #include "lumesh/fitting/boundary_model.hpp"
@@ -52,15 +53,16 @@ std::vector<double> object_voxels(const LabelImage& image, const ImageDomain& do
 
 /// A lattice as fine as the options ask for, with the material of every tetrahedron.
 fitting::WorkMesh make_labelled_lattice(const LabelImage& image, const ImageDomain& domain,
-                                        const LatticeOptions& options, const std::vector<double>& voxels,
-                                        Context& context, LatticeReport& report) {
+                                        const LatticeOptions& options, const OpeningSizes& at_openings,
+                                        const std::vector<double>& voxels, Context& context,
+                                        LatticeReport& report) {
   const double coarsest_mm =
       SizeGrid::boundary_spacing_mm(image, domain, options) * std::exp2(options.coarsening);
   const LatticeFrame frame =
       make_lattice_frame(domain, coarsest_mm, options.coarsening + options.max_refinement);
   const auto total = static_cast<std::size_t>(std::ceil(std::accumulate(voxels.begin(), voxels.end(), 0.0)));
-  const SizeGrid sizes =
-      context.phase("sizes", [&] { return SizeGrid(image, domain, options, coarsest_mm, total); });
+  const SizeGrid sizes = context.phase(
+      "sizes", [&] { return SizeGrid(image, domain, options, coarsest_mm, total, at_openings); });
   report.levels_given_up = sizes.levels_given_up();
   bcc::Lattice lattice = context.phase("refinement", [&] { return refined_lattice(frame, domain, sizes); });
   report.lattice_tetrahedra = lattice.size();
@@ -112,6 +114,25 @@ fitting::FitReport fit_boundary(fitting::WorkMesh& mesh, fitting::BoundaryModel&
   return context.phase("fit", [&] { return fitting::fit_to_domain(mesh, boundary, image, domain, fit); });
 }
 
+LatticeResult mesh_once(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
+                        const OpeningSizes& at_openings, const std::vector<double>& voxels,
+                        Context& context) {
+  LatticeResult result;
+  LatticeOptions finer = options;
+  fitting::WorkMesh mesh;
+  fitting::BoundaryModel boundary;
+  int rescues = 0;
+  do {
+    mesh = make_labelled_lattice(image, domain, finer, at_openings, voxels, context, result.report);
+    make_manifold(mesh, domain, context, result.report);
+    boundary = context.phase("model", [&] { return extract_boundary(mesh, domain); });
+  } while (rescues++ < kMaxRescues && raise_fidelity(finer, lost_labels(mesh, domain, voxels)));
+  const fitting::FitReport fit = fit_boundary(mesh, boundary, image, domain, options, context);
+  add_shortcomings(mesh, fit, domain, options, voxels, result.report);
+  result.mesh = to_mixed_mesh(mesh, boundary, domain);
+  return result;
+}
+
 }  // namespace
 
 LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
@@ -119,19 +140,11 @@ LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, c
   options.validate();
   options.require_labels_of(image);
   const std::vector<double> voxels = context.phase("count", [&] { return object_voxels(image, domain); });
-  LatticeResult result;
-  LatticeOptions finer = options;
-  fitting::WorkMesh mesh;
-  fitting::BoundaryModel boundary;
-  int rescues = 0;
-  do {
-    mesh = make_labelled_lattice(image, domain, finer, voxels, context, result.report);
-    make_manifold(mesh, domain, context, result.report);
-    boundary = context.phase("model", [&] { return extract_boundary(mesh, domain); });
-  } while (rescues++ < kMaxRescues && raise_fidelity(finer, lost_labels(mesh, domain, voxels)));
-  const fitting::FitReport fit = fit_boundary(mesh, boundary, image, domain, options, context);
-  add_shortcomings(mesh, fit, domain, options, voxels, result.report);
-  result.mesh = to_mixed_mesh(mesh, boundary, domain);
+  LatticeResult result = best_at_openings(
+      domain, context,
+      [&](const OpeningSizes& sizes) { return mesh_once(image, domain, options, sizes, voxels, context); },
+      [](const OpeningSizes& sizes, const LatticeResult& made) { return sizes.faults_in(made.mesh.view()); },
+      [](const LatticeResult&) { return true; });
   if (options.mixed)
     context.phase("hexahedra", [&] { merge_hexahedra(result.mesh, domain.frame().direction); });
   return result;

@@ -98,13 +98,14 @@ SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const Lat
 }
 
 SizeGrid::SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
-                   double coarsest_mm, std::size_t object_voxels)
+                   double coarsest_mm, std::size_t object_voxels, const OpeningSizes& at_openings)
     : SizeGrid(image, domain, options, coarsest_mm) {
   wanted_.resize(grid_count(cells_));
   parallel::for_each_index(brick_count(image), 16, [&](std::size_t b) {
     for_each_voxel_near_boundary(image_, domain_.field(), b, [&](const Index3& voxel) { note_voxel(voxel); });
   });
-  for (const Opening& opening : find_openings(domain)) note_opening(opening);
+  for (const Opening& opening : at_openings.openings()) note_opening(opening);
+  for (const OpeningSize& size : at_openings.sizes()) note_size(size);
   coarsen_to(options.max_tetrahedra, object_voxels);
 }
 
@@ -116,10 +117,28 @@ void SizeGrid::note_opening(const Opening& opening) {
   const int level = level_for(std::min(kOfShare * perimeter_mm / kEdgesAround, kOfWidth * width_mm));
   const Box3 voxels = voxel_box(image_.frame(), opening.box_mm);
   const IndexBox box = cells_between(voxels.min(), voxels.max());
-  for_each_place(box.low, box.high, [&](const Index3& place) {
-    std::uint8_t& cell = wanted_[cell_number(place)];
-    if (cell != 0) cell = static_cast<std::uint8_t>(std::max<int>(cell & ~kFirm, level + 1) | (cell & kFirm));
+  for_each_place(box.low, box.high, [&](const Index3& cell) { note_level(cell, level, 0); });
+}
+
+void SizeGrid::note_size(const OpeningSize& size) {
+  constexpr double kReach = 2;  // Edges, from the disc.
+  constexpr double kSpacingOfRim =
+      1.45;  // Halved edges of a rim, 0.7 to 0.9 spacings long, are a level more.
+  const int level = level_for(kSpacingOfRim * size.edge_mm);
+  const double half_cell_mm = 0.5 * kCell * image_.frame().spacing_mm.norm();
+  const double reach_mm = kReach * size.edge_mm + half_cell_mm;
+  const IndexBox box = cells_around(size.centre_mm, size.radius_mm + reach_mm);
+  for_each_place(box.low, box.high, [&](const Index3& cell) {
+    const Vec3 middle = kCell * cell.cast<double>() + Vec3::Constant(0.5 * (kCell - 1));
+    if (size.distance_mm(image_.frame().to_physical(middle)) <= reach_mm) note_level(cell, level, kFirm);
   });
+}
+
+void SizeGrid::note_level(const Index3& cell, int level, std::uint8_t firm) {
+  std::uint8_t& wanted = wanted_[cell_number(cell)];
+  if (wanted == 0) return;
+  const int most = std::max<int>(wanted & ~kFirm, level + 1);
+  wanted = static_cast<std::uint8_t>(most | ((wanted | firm) & kFirm));
 }
 
 int SizeGrid::level_for(double edge_mm) const {

@@ -6,7 +6,7 @@
 
 #include "lumesh/core/grid.hpp"
 #include "lumesh/domain/image_domain.hpp"
-#include "lumesh/domain/openings.hpp"
+#include "lumesh/domain/opening_sizes.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/lattice/lattice.hpp"
 
@@ -17,10 +17,10 @@ namespace lumesh {
 /// as well, so that two vessels side by side are kept apart.
 class SizeGrid {
  public:
-  /// @param coarsest_mm  Spacing of level 0.
+  /// @param coarsest_mm  Spacing of level 0. @param at_openings  Of the domain.
   /// @throws Error{kMemory} if the mesh would not fit into the free memory.
   SizeGrid(const LabelImage& image, const ImageDomain& domain, const LatticeOptions& options,
-           double coarsest_mm, std::size_t object_voxels);
+           double coarsest_mm, std::size_t object_voxels, const OpeningSizes& at_openings);
 
   /// The spacing at boundaries where the object is thick. With LatticeOptions::cells_per_diameter it is at
   /// most half finer than asked for, such that halving it meets the number over most of the boundary.
@@ -48,7 +48,7 @@ class SizeGrid {
   bool any_cell(const IndexBox& box, const IsFound& is_found) const;
   static constexpr int kCell = 2;
   static constexpr std::uint8_t kFirm =
-      0x80;  // flag: wanted by a label with a fidelity of its own, never given up
+      0x80;  // flag: wanted by a label with a fidelity of its own or at an opening, never given up
 
   [[nodiscard]] int voxel_level(const Index3& voxel) const;
   /// Largest spacing that a voxel allows; none where it is at no boundary.
@@ -69,6 +69,9 @@ class SizeGrid {
   /// Notes what a voxel at a boundary wants. Cells never reach across bricks.
   void note_voxel(const Index3& voxel);
   void note_opening(const Opening& opening);
+  void note_size(const OpeningSize& size);
+  /// Notes a level in a cell that is at a boundary. @param firm  kFirm or 0.
+  void note_level(const Index3& cell, int level, std::uint8_t firm);
   [[nodiscard]] int level_for(double edge_mm) const;
   void coarsen_to(std::size_t max_tetrahedra, std::size_t object_voxels);
   [[nodiscard]] double predict(int cap, double object_mm3) const;

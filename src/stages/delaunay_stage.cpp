@@ -3,13 +3,17 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lumesh/core/option.hpp"
+#include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/domain/domain.hpp"
+#include "lumesh/domain/opening_sizes.hpp"
 #include "lumesh/operators/settling.hpp"
 #include "lumesh/parallel/sum.hpp"
 #include "vertices_outside.hpp"
@@ -111,10 +115,31 @@ void note_tets_to_refine(const Sizing& criterion, DelaunayMesh& made) {
                   asks, made.mesh.tet_count()));
 }
 
-}  // namespace
+/// Sizes at openings: these, and growing with the distance from them.
+class SizingAtOpenings final : public Sizing {
+ public:
+  SizingAtOpenings(std::span<const OpeningSize> sizes, const Sizing* others)
+      : sizes_(sizes.begin(), sizes.end()), others_(others) {}
 
-DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& request, const Sizing* sizing,
-                                Context& context) {
+  [[nodiscard]] double size_at(const Vec3& point_mm, Label label) const override {
+    constexpr double kGrowth = 0.3;
+    double size_mm = others_ == nullptr ? kAnySize : others_->size_at(point_mm, label);
+    for (const OpeningSize& size : sizes_)
+      size_mm = std::min(size_mm, size.edge_mm + kGrowth * size.distance_mm(point_mm));
+    return size_mm;
+  }
+  [[nodiscard]] bool wants_finer(const std::array<Vec3, 4>& corners_mm) const override {
+    return others_ != nullptr && others_->wants_finer(corners_mm);
+  }
+  [[nodiscard]] bool has_criterion() const override { return others_ != nullptr && others_->has_criterion(); }
+
+ private:
+  std::vector<OpeningSize> sizes_;
+  const Sizing* others_;
+};
+
+DelaunayMesh mesh_once(const Domain& domain, const DelaunayRequest& request, const Sizing* sizing,
+                       Context& context) {
   DelaunayOptions options = request.delaunay;
   options.sizing = sizing;
   options.team = request.improvement.team;
@@ -128,6 +153,29 @@ DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& req
   if (!domain.fixed_points().empty()) made.report.fixed_points_kept = count_fixed_points(domain, made.mesh);
   if (criterion != nullptr) note_tets_to_refine(*criterion, made);
   return made;
+}
+
+}  // namespace
+
+DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& request, const Sizing* sizing,
+                                Context& context) {
+  bool was_stopped = false;
+  DelaunayMesh best = best_at_openings(
+      domain, context,
+      [&](const OpeningSizes& at_openings) {
+        if (at_openings.sizes().empty()) return mesh_once(domain, request, sizing, context);
+        const SizingAtOpenings finer(at_openings.sizes(), sizing);
+        return mesh_once(domain, request, &finer, context);
+      },
+      [](const OpeningSizes& sizes, const DelaunayMesh& made) {
+        return sizes.faults_in(made.mesh.view(made.mesh.boundary_faces()));
+      },
+      [&](const DelaunayMesh& made) {
+        was_stopped |= !made.is_complete;
+        return made.is_complete;
+      });
+  best.is_complete = best.is_complete && !was_stopped;
+  return best;
 }
 
 }  // namespace lumesh

@@ -125,6 +125,7 @@ struct OpeningShape {
   std::size_t parts = 0;          ///< Connected over edges.
   std::size_t rims = 0;           ///< Closed loops of edges: one, and one for each hole.
   std::size_t edges = 0;          ///< Edges of the rim that has the fewest.
+  double edge_mm = 0;             ///< Mean length of the edges of all rims.
   double off_mm = 0;              ///< Largest distance of a vertex from the plane …
   Vec3 off_at_mm = Vec3::Zero();  ///< … and the place of that vertex.
 };
@@ -154,6 +155,10 @@ inline constexpr double kWrongOpeningPercent = 5;
   return opening.patches.empty() || opening.shape.parts > 1 ||
          std::abs(opening.change_percent()) > kWrongOpeningPercent;
 }
+
+/// Whether shorter edges may mend an opening: it is wrong, or doubts_about() says so of its area, rims or
+/// plane.
+[[nodiscard]] bool is_coarse(const OpeningInMesh& opening);
 
 /// A line for each opening that is wrong, with its place, and for the others.
 [[nodiscard]] std::vector<std::string> faults_of(const OpeningsCompared& compared);

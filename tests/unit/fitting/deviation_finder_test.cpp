@@ -28,7 +28,7 @@ struct Surface {
 
 Surface surface_of(const LabelImage& image, const ImageDomain& domain) {
   LatticeOptions options;
-  const SizeGrid sizes(image, domain, options, 5, image.voxels().size());
+  const SizeGrid sizes(image, domain, options, 5, image.voxels().size(), OpeningSizes(domain));
   const LatticeFrame frame = make_lattice_frame(domain, 5, options.coarsening + options.max_refinement);
   Surface s{make_work_mesh(refined_lattice(frame, domain, sizes), frame, domain), {}};
   choose_boundary(s.mesh, domain);

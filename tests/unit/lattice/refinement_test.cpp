@@ -40,7 +40,7 @@ Lattice lattice_of(const LabelImage& image, const ImageDomain& domain, int level
   options.max_refinement = levels - kCoarsening;
   options.fidelity = 0.9;
   const double coarsest_mm = kSpacingMm * (1 << kCoarsening);
-  const SizeGrid sizes(image, domain, options, coarsest_mm, image.voxels().size());
+  const SizeGrid sizes(image, domain, options, coarsest_mm, image.voxels().size(), OpeningSizes(domain));
   Lattice lattice{make_lattice_frame(domain, coarsest_mm, levels), {}};
   lattice.tetrahedra = refined_lattice(lattice.frame, domain, sizes);
   return lattice;

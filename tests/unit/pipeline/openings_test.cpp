@@ -20,6 +20,7 @@
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/lattice/lattice.hpp"
 #include "lumesh/mesh/validate.hpp"
+#include "lumesh/stages/delaunay_stage.hpp"
 
 namespace lumesh {
 namespace {
@@ -99,6 +100,36 @@ TEST(Openings, HaveTheVesselsSectionInEveryMesherAtEverySize) {
           std::sort(areas.begin(), areas.end());
           for (std::size_t i = 0; i < areas.size(); ++i) EXPECT_NEAR(areas[i] / sections[i], 1, 0.02);
         }
+      }
+    }
+  }
+}
+
+TEST(Openings, OfSlantedVesselsHaveTheirSectionHoweverCoarseTheRestIs) {
+  constexpr double kRadius = 2.2;
+  for (const double degrees : {60, 68, 74}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    const Tube tube{{14, 17.3, -0.5}, {std::sin(angle), 0, std::cos(angle)}, kRadius};
+    const LabelImage image = image_of(tube);
+    const ImageDomain domain(image, {});
+    const double section = section_of(domain, -0.5 + 1e-6);
+    EXPECT_NEAR(section / tube.section(), 1, 0.04);
+    for (const double edge_mm : {0.8, 1.6, 2.4, 4.0}) {
+      SCOPED_TRACE(std::to_string(degrees) + " degrees, edges " + std::to_string(edge_mm));
+      Context context;
+      DelaunayRequest delaunay;
+      delaunay.delaunay.edge_length_mm = edge_mm;
+      LatticeOptions lattice;
+      lattice.spacing_mm = edge_mm;
+      const std::map<std::string, std::map<std::string, MeshOpening>> by_mesher = {
+          {"delaunay", openings_of(make_delaunay_mesh(domain, delaunay, nullptr, context).mesh)},
+          {"lattice", openings_of(mesh_lattice(image, domain, lattice, context).mesh.view())}};
+      for (const auto& [mesher, openings] : by_mesher) {
+        SCOPED_TRACE(mesher);
+        ASSERT_EQ(openings.size(), 2U);
+        const MeshOpening& slanted = openings.at("inlet_1");
+        EXPECT_NEAR(slanted.area / section, 1, 0.02);
+        EXPECT_GE(slanted.edges_around, 8);
       }
     }
   }

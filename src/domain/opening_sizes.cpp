@@ -1,0 +1,77 @@
+#include "lumesh/domain/opening_sizes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace lumesh {
+namespace {
+
+/// From the centre to the farthest corner of a square.
+double reach_mm(const Opening& opening) {
+  if (!opening.squares) return opening.radius_mm();
+  const OpeningSquares& squares = *opening.squares;
+  double reach_mm = 0;
+  for (int row = 0; row < squares.rows; ++row)
+    for (int column = 0; column < squares.columns; ++column)
+      if (squares.hold(column, row))
+        reach_mm = std::max(reach_mm, (squares.centre_of(column, row) - opening.centre_mm).norm());
+  return reach_mm + 0.5 * std::numbers::sqrt2 * squares.step_mm;
+}
+
+}  // namespace
+
+double OpeningSize::distance_mm(const Vec3& place) const {
+  const Vec3 off = place - centre_mm;
+  const double above_mm = off.dot(normal);
+  const double beyond_mm = std::sqrt(std::max(0.0, off.squaredNorm() - above_mm * above_mm)) - radius_mm;
+  return std::hypot(above_mm, std::max(0.0, beyond_mm));
+}
+
+OpeningSizes::OpeningSizes(const Domain& domain)
+    : resolution_mm_(domain.resolution_mm()),
+      openings_(find_openings(domain)),
+      edges_mm_(openings_.size(), std::numeric_limits<double>::infinity()) {}
+
+OpeningSizes::Faults OpeningSizes::faults_in(const MeshView& mesh) const {
+  const OpeningsCompared compared = compare_openings(mesh, openings_);
+  Faults faults;
+  for (std::size_t o = 0; o < compared.openings.size(); ++o) {
+    const OpeningInMesh& found = compared.openings[o];
+    if (!is_coarse(found)) continue;
+    faults.weight += is_wrong(found) ? 2 : 1;
+    faults.which.push_back(o);
+    faults.edges_mm.push_back(found.shape.edge_mm);
+  }
+  return faults;
+}
+
+bool OpeningSizes::refine(const Faults& faults) {
+  constexpr double kMinOfResolution = 0.35;
+  constexpr double kEdgesAround = 8;
+  bool is_finer = false;
+  for (std::size_t i = 0; i < faults.which.size(); ++i) {
+    const Opening& opening = openings_[faults.which[i]];
+    double& edge_mm = edges_mm_[faults.which[i]];
+    const double made_mm =
+        faults.edges_mm[i] > 0 ? faults.edges_mm[i] : opening.perimeter_mm() / kEdgesAround;
+    const double next_mm = std::max(0.5 * std::min(made_mm, edge_mm), kMinOfResolution * resolution_mm_);
+    is_finer |= next_mm < edge_mm;
+    edge_mm = std::min(edge_mm, next_mm);
+  }
+  sizes_.clear();
+  for (std::size_t o = 0; o < openings_.size(); ++o)
+    if (std::isfinite(edges_mm_[o]))
+      sizes_.push_back({openings_[o].centre_mm, openings_[o].normal, reach_mm(openings_[o]), edges_mm_[o]});
+  return is_finer;
+}
+
+std::string OpeningSizes::names() const {
+  std::string names;
+  for (std::size_t o = 0; o < openings_.size(); ++o)
+    if (std::isfinite(edges_mm_[o])) names += (names.empty() ? "" : ", ") + openings_[o].name;
+  return names;
+}
+
+}  // namespace lumesh
