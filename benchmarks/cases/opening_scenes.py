@@ -224,7 +224,15 @@ class Scene:
                 break
         else:
             raise ValueError(f"seed {seed}: no scene found")
+        self.mark_parts_of_rims()
         self.check_sampling()
+
+    def mark_parts_of_rims(self):
+        """A wall that an edge of the image cuts has parts of its ring in both faces; elsewhere, the rule's limit."""
+        of_walls = {g.label for g in self.groups() if g.is_rim}
+        for group in self.groups():
+            if group.label in of_walls and group.is_rim is False:
+                group.is_rim = True if group.is_at_edge else None
 
     def groups(self):
         return [g for face in self.faces for g in face.groups]

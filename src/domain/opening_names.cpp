@@ -42,6 +42,37 @@ bool lies_beside(const Opening& own, const Opening& other) {
   return found;
 }
 
+/// Whether two openings meet where their planes do, as the parts of a section through an edge of the image.
+bool meet_at_edge(const Opening& a, const Opening& b) {
+  constexpr double kAlike = 0.999;  // Cosine between normals of one direction.
+  if (!a.squares || !b.squares || std::abs(a.normal.dot(b.normal)) > kAlike) return false;
+  const OpeningSquares& squares = *a.squares;
+  bool found = false;
+  for_each_square_in(a.box_mm, b, [&](const Vec3& x) {
+    const double above_mm = a.normal.dot(x - a.centre_mm);
+    if (found || std::abs(above_mm) > a.voxel_mm) return;
+    const Vec3 foot = x - above_mm * a.normal;
+    for (const Vec3& step : {squares.u, squares.v})
+      found = found || squares.hold(foot + a.voxel_mm * step) || squares.hold(foot - a.voxel_mm * step);
+  });
+  return found;
+}
+
+/// Marks openings that meet a rim of their label at an edge of the image: parts of the same ring.
+void mark_parts_of_rims(std::span<Opening> openings) {
+  bool was_marked = true;
+  while (was_marked) {
+    was_marked = false;
+    for (Opening& own : openings) {
+      if (own.is_rim) continue;
+      own.is_rim = std::ranges::any_of(openings, [&](const Opening& rim) {
+        return rim.is_rim && rim.label == own.label && meet_at_edge(rim, own);
+      });
+      was_marked |= own.is_rim;
+    }
+  }
+}
+
 /// Area of an opening in the holes of another one.
 double area_in_holes_mm2(const Opening& own, const PiecesAround& around, const Opening& other) {
   const std::size_t columns = static_cast<std::size_t>(own.squares->columns);
@@ -125,6 +156,7 @@ void mark_rims(std::span<const OpeningNeighbours> neighbours, std::span<Opening>
                                                    return rings.surrounded.contains(label);
                                                  }));
   }
+  mark_parts_of_rims(openings);
 }
 
 void name_openings(const PatchNaming& naming, std::span<Opening> openings) {

@@ -42,8 +42,8 @@ struct OpeningNeighbours {
 [[nodiscard]] std::vector<OpeningNeighbours> neighbours_in_plane(std::span<const Opening> openings);
 
 /// Sets is_rim of all openings of a domain. A label is a wall's if its openings that surround others are thin
-/// rings by their areas together; rims are those, and its openings beside a label that it surrounds: thin
-/// walls of voxels have gaps.
+/// rings by their areas together; rims are those, its openings beside a label that it surrounds, as thin
+/// walls of voxels have gaps, and those that meet a rim at an edge of the image.
 void mark_rims(std::span<const OpeningNeighbours> neighbours, std::span<Opening> openings);
 
 [[nodiscard]] inline bool has_label(std::span<const Opening> openings, Label label) {

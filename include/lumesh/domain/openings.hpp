@@ -65,7 +65,8 @@ struct Opening {
   /// Its place: squares of its plane; null if that is not known.
   std::shared_ptr<const OpeningSquares> squares = nullptr;
   /// True for a section of a wall: all sections of its label that surround openings of other labels surround
-  /// a quarter of their area or more together, and it is one of these or lies beside such a label.
+  /// a quarter of their area or more together, and it is one of these, lies beside such a label, or meets one
+  /// of these at an edge of the image.
   bool is_rim = false;
   bool is_of_surface = false;  ///< One of flat_ends(): others may be openings, too.
   double off_mm = 0;           ///< Largest distance of a corner of such an end from its plane.

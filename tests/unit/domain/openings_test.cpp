@@ -150,6 +150,21 @@ TEST(FindOpenings, RimsOfWallsAreNoOutlets) {
   }
 }
 
+TEST(FindOpenings, AWallThatAnEdgeOfTheImageCutsHasRimsInBothFaces) {
+  const Vec3 on_axis(8, -0.5, 20), axis = Vec3(1, 1, 0).normalized();
+  const LabelImage image =
+      fixtures::voxels_of(fixtures::frame_of({40, 40, 40}), {0, 1, 2}, [&](const Vec3& x) {
+        const double off = (x - on_axis).cross(axis).norm();
+        return off < 4 ? 1 : off < 7 ? 2 : 0;
+      });
+  std::size_t beside_no_lumen = 0;  // In the face x = -0.5, 6 mm off the axis.
+  for (const Opening& o : find_openings(ImageDomain(image, {}))) {
+    EXPECT_EQ(o.is_rim, o.label == 2) << o.name;
+    beside_no_lumen += o.label == 2 && o.normal.x() < -0.9 ? 1U : 0U;
+  }
+  EXPECT_EQ(beside_no_lumen, 1U);
+}
+
 TEST(FindOpenings, WhatLiesInALumenMakesNoRimOfIt) {
   for (const Opening& o : find_openings(ImageDomain(tube_with(2.2), {}))) EXPECT_FALSE(o.is_rim) << o.name;
 }
