@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "lumesh/geometry/triangle.hpp"
+
 namespace lumesh {
 namespace {
 
@@ -30,7 +32,7 @@ double OpeningSize::distance_mm(const Vec3& place) const {
 }
 
 OpeningSizes::OpeningSizes(const Domain& domain)
-    : resolution_mm_(domain.resolution_mm()),
+    : domain_(&domain),
       openings_(find_openings(domain)),
       edges_mm_(openings_.size(), std::numeric_limits<double>::infinity()) {}
 
@@ -44,23 +46,36 @@ OpeningSizes::Faults OpeningSizes::faults_in(const MeshView& mesh) const {
     faults.which.push_back(o);
     faults.edges_mm.push_back(found.shape.edge_mm);
   }
+  faults.walls = walls_in_planes(mesh, *domain_);
+  faults.weight += 2 * faults.walls.size();
   return faults;
 }
 
 bool OpeningSizes::refine(const Faults& faults) {
   constexpr double kMinOfResolution = 0.35;
   constexpr double kEdgesAround = 8;
+  const double min_mm = kMinOfResolution * domain_->resolution_mm();
   bool is_finer = false;
   for (std::size_t i = 0; i < faults.which.size(); ++i) {
     const Opening& opening = openings_[faults.which[i]];
     double& edge_mm = edges_mm_[faults.which[i]];
     const double made_mm =
         faults.edges_mm[i] > 0 ? faults.edges_mm[i] : opening.perimeter_mm() / kEdgesAround;
-    const double next_mm = std::max(0.5 * std::min(made_mm, edge_mm), kMinOfResolution * resolution_mm_);
+    const double next_mm = std::max(0.5 * std::min(made_mm, edge_mm), min_mm);
     is_finer |= next_mm < edge_mm;
     edge_mm = std::min(edge_mm, next_mm);
   }
-  sizes_.clear();
+  for (const WallInPlane& wall : faults.walls) {
+    const OpeningSize size{wall.centre_mm, wall.normal, circle_radius(wall.area_mm2),
+                           std::max(0.5 * std::sqrt(wall.area_mm2), min_mm)};
+    if (std::ranges::any_of(at_walls_, [&](const OpeningSize& other) {
+          return other.edge_mm <= size.edge_mm && other.distance_mm(size.centre_mm) < other.edge_mm;
+        }))
+      continue;
+    at_walls_.push_back(size);
+    is_finer = true;
+  }
+  sizes_ = at_walls_;
   for (std::size_t o = 0; o < openings_.size(); ++o)
     if (std::isfinite(edges_mm_[o]))
       sizes_.push_back({openings_[o].centre_mm, openings_[o].normal, reach_mm(openings_[o]), edges_mm_[o]});
@@ -71,6 +86,7 @@ std::string OpeningSizes::names() const {
   std::string names;
   for (std::size_t o = 0; o < openings_.size(); ++o)
     if (std::isfinite(edges_mm_[o])) names += (names.empty() ? "" : ", ") + openings_[o].name;
+  if (!at_walls_.empty()) names += std::string(names.empty() ? "" : ", ") + "walls in planes of openings";
   return names;
 }
 

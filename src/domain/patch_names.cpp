@@ -132,7 +132,8 @@ void name_by_materials(std::span<const BoundaryTriangle> boundary, const Domain&
       result.of_triangle[i] = number.at(pair_of(boundary[i]));
 }
 
-/// Openings of the mesh by those of the domain, so that their numbers do not depend on the mesh.
+/// Openings of the mesh by those of the domain, so that their numbers do not depend on the mesh; what is none
+/// of these is wall.
 class OpeningNames {
  public:
   OpeningNames(const Domain& domain, const PatchNaming& naming, PatchAssignment& result)
@@ -140,15 +141,12 @@ class OpeningNames {
 
   void name(std::span<const OpeningGroups::Group> groups) {
     std::map<std::size_t, std::vector<const OpeningGroups::Group*>> by_number;
-    std::size_t next = openings_.size();
     for (const OpeningGroups::Group& group : groups) {
       const std::size_t opening = opening_of(group);
       if (opening < openings_.size())
         by_number[opening].push_back(&group);
-      else if (!openings_.empty() && group.sum.area < kSliver * voxel_face_mm2(domain_, normal_of(group)))
-        set(group, wall_of(group));
       else
-        by_number[next++].push_back(&group);
+        set(group, wall_of(group));
     }
     for (const auto& [number, of_opening] : by_number) {
       const OpeningGroups::Group& largest = *of_opening.front();
@@ -159,8 +157,6 @@ class OpeningNames {
   }
 
  private:
-  static constexpr double kSliver = 1;  // Voxel faces: wall that grazes a border.
-
   /// Where a wall slants, single triangles of it lie in the plane beside the opening.
   static bool is_splinter(const OpeningGroups::Group& group, const OpeningGroups::Group& largest) {
     constexpr double kShare = 0.05;
@@ -176,14 +172,8 @@ class OpeningNames {
   }
   [[nodiscard]] std::int32_t add(const OpeningGroups::Group& group, std::size_t number) {
     result_.patches.push_back(
-        {name_of(number), PatchKind::kOpening, {domain_.label_of(group.inside), kBackground}});
+        {openings_[number].name, PatchKind::kOpening, {domain_.label_of(group.inside), kBackground}});
     return static_cast<std::int32_t>(result_.patches.size()) - 1;
-  }
-  /// Name of an opening; those that the domain does not know are counted on.
-  [[nodiscard]] std::string name_of(std::size_t number) const {
-    if (number < openings_.size()) return openings_[number].name;
-    const auto rims = std::ranges::count_if(openings_, [](const Opening& o) { return o.is_rim; });
-    return opening_name(number - static_cast<std::size_t>(rims));
   }
   /// Wall of the group's label; a new one where the mesh has none.
   [[nodiscard]] std::int32_t wall_of(const OpeningGroups::Group& group) {

@@ -4,6 +4,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/domain/walls_in_planes.hpp"
 #include "rim_vertices.hpp"
 
 namespace lumesh {
@@ -35,6 +36,7 @@ OpeningsCompared checked_openings(const MeshView& mesh, const Domain& domain,
   if (domain.cut_planes().empty() && domain.flat_ends().empty()) return {};
   OpeningsCompared compared = context.phase("openings", [&] { return compare_openings(mesh, openings); });
   for (const std::string& doubt : doubts_about(compared)) context.warn(doubt);
+  for (const std::string& doubt : doubts_about(walls_in_planes(mesh, domain))) context.warn(doubt);
   for (const std::string& note : notes_on_rims(mesh, domain)) context.warn(note);
   return compared;
 }

@@ -9,6 +9,7 @@
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/openings.hpp"
+#include "lumesh/domain/walls_in_planes.hpp"
 
 namespace lumesh {
 
@@ -25,29 +26,34 @@ struct OpeningSize {
 /// The openings of a domain, and sizes at them that meshes of it turned out to need.
 class OpeningSizes {
  public:
+  /// @param domain  Lives as long as this.
   explicit OpeningSizes(const Domain& domain);
 
+  /// Whether the domain may have openings.
+  [[nodiscard]] bool has_planes() const { return !openings_.empty() || !domain_->cut_planes().empty(); }
   [[nodiscard]] std::span<const Opening> openings() const { return openings_; }
   [[nodiscard]] std::span<const OpeningSize> sizes() const { return sizes_; }
 
   /// Openings that a mesh does not have as its domain has them.
   struct Faults {
-    std::size_t weight = 0;          ///< Of all; those that are wrong weigh twice as much as others.
+    std::size_t weight = 0;          ///< Of all; openings that are wrong, and walls, weigh twice.
     std::vector<std::size_t> which;  ///< Numbers of openings.
     std::vector<double> edges_mm;    ///< The mean edges of their rims; 0 without one.
+    std::vector<WallInPlane> walls = {};
   };
   [[nodiscard]] Faults faults_in(const MeshView& mesh) const;
 
   /// Halves the edges at faulty openings. False if that is in vain: they are much shorter than voxels.
   bool refine(const Faults& faults);
 
-  /// The names of openings with sizes, joined by commas.
+  /// The names of openings and walls with sizes, joined by commas.
   [[nodiscard]] std::string names() const;
 
  private:
-  double resolution_mm_;
+  const Domain* domain_;
   std::vector<Opening> openings_;
   std::vector<double> edges_mm_;  // Of each opening; infinity: any.
+  std::vector<OpeningSize> at_walls_;
   std::vector<OpeningSize> sizes_;
 };
 
@@ -62,7 +68,7 @@ auto best_at_openings(const Domain& domain, Context& context, const Make& make, 
   constexpr int kAttempts = 3;
   OpeningSizes sizes(domain);
   auto best = make(std::as_const(sizes));
-  if (sizes.openings().empty() || !is_complete(best)) return best;
+  if (!sizes.has_planes() || !is_complete(best)) return best;
   OpeningSizes::Faults best_faults = faults_in(sizes, best), faults = best_faults;
   for (int attempt = 1; attempt < kAttempts && faults.weight > 0 && sizes.refine(faults); ++attempt) {
     context.info("meshed again with shorter edges at " + sizes.names());

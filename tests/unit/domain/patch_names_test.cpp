@@ -5,9 +5,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "fixtures/analytic_domain.hpp"
+#include "lumesh/domain/walls_in_planes.hpp"
 
 namespace lumesh {
 namespace {
@@ -47,36 +49,48 @@ TEST(PatchNames, SplintersBesideAnOpeningAreWall) {
   }
 }
 
-/// A square of side 2 in the plane z = 0, of strips along x that become narrower to one side.
-void add_square(double x, double share, Material beyond, std::vector<Vec3>& points,
-                std::vector<BoundaryTriangle>& boundary) {
-  double y = -1, width = share;
-  for (int strip = 0; strip < 6; ++strip, y += width, width *= 0.5) {
-    const double end = strip == 5 ? 1 : y + width;
-    const auto first = static_cast<std::uint32_t>(points.size());
-    for (const double at : {y, end}) points.emplace_back(x - 1, at, 0), points.emplace_back(x + 1, at, 0);
-    const std::uint32_t low = strip > 0 ? first - 2 : first;  // The two points at its lower side.
-    boundary.push_back({{low, low + 1, first + 3}, 1, beyond});
-    boundary.push_back({{low, first + 3, first + 2}, 1, beyond});
-  }
+/// Two triangles, a square with a corner at (x, y, z).
+void add_square(const Vec3& corner, double edge, std::vector<Vec3>& points, std::vector<Cell<3>>& triangles) {
+  const auto first = static_cast<std::uint32_t>(points.size());
+  for (const auto& [right, up] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}})
+    points.push_back(corner + edge * Vec3(right, up, 0));
+  triangles.insert(triangles.end(), {{first, first + 1, first + 2}, {first, first + 2, first + 3}});
 }
 
-// The mean of the centres of triangles lies where they are small.
-TEST(PatchNames, TheOrderOfOpeningsDoesNotDependOnTheirTriangles) {
+TEST(PatchNames, WhatLiesWhereTheDomainHasNoOpeningIsWall) {
   const fixtures::AnalyticDomain domain = tube_with_end();
-  for (const double share : {0.4, 0.8, 1.0}) {  // Off both are openings that the domain does not know.
-    std::vector<Vec3> points;
-    std::vector<BoundaryTriangle> boundary;
-    add_square(-8, share, domain.material_beyond(0), points, boundary);
-    const std::size_t second = boundary.size();
-    add_square(8, 0.4, domain.material_beyond(0), points, boundary);
-    const PatchAssignment named = name_patches(boundary, points, domain);
-    const auto name_of = [&](std::size_t t) {
-      return named.patches[static_cast<std::size_t>(named.of_triangle[t])].name;
-    };
-    EXPECT_EQ(name_of(0), "outlet_1") << share;
-    EXPECT_EQ(name_of(second), "outlet_2") << share;
-  }
+  std::vector<Vec3> points;
+  std::vector<Cell<3>> triangles;
+  add_square({7, -1, 0}, 2, points, triangles);
+  add_square({-1, -1, 0}, 2, points, triangles);
+  std::vector<BoundaryTriangle> boundary;
+  for (const Cell<3>& corners : triangles) boundary.push_back({corners, 1, domain.material_beyond(0)});
+  const PatchAssignment named = name_patches(boundary, points, domain);
+  const auto kind_of = [&](std::size_t t) {
+    return named.patches[static_cast<std::size_t>(named.of_triangle[t])].kind;
+  };
+  EXPECT_EQ(kind_of(0), PatchKind::kWall);
+  EXPECT_EQ(kind_of(1), PatchKind::kWall);
+  EXPECT_EQ(kind_of(2), PatchKind::kOpening);
+}
+
+TEST(WallsInPlanes, AreThoseLargerThanAVoxelsFace) {
+  const fixtures::AnalyticDomain domain = tube_with_end();
+  const double edge = 1.5 * domain.resolution_mm();  // 2.25 voxel faces.
+  MixedMesh mesh;
+  add_square({7, 2, 0}, edge, mesh.points, mesh.triangles);
+  add_square({3, 9, 0}, 0.6 * edge, mesh.points, mesh.triangles);                          // 0.8
+  add_square({-8, 2, -0.01 * domain.resolution_mm()}, edge, mesh.points, mesh.triangles);  // Off the plane.
+  add_square({-1, -1, 0}, edge, mesh.points, mesh.triangles);                              // An opening.
+  mesh.triangle_patches = {0, 0, 0, 0, 0, 0, 1, 1};
+  mesh.info.patches = {{"wall", PatchKind::kWall, {1, kBackground}},
+                       {"inlet_1", PatchKind::kOpening, {1, kBackground}}};
+  const std::vector<WallInPlane> walls = walls_in_planes(mesh.view(), domain);
+  ASSERT_EQ(walls.size(), 1U);
+  EXPECT_NEAR(walls[0].area_mm2, edge * edge, 1e-9);
+  EXPECT_NEAR((walls[0].centre_mm - Vec3(7 + 0.5 * edge, 2 + 0.5 * edge, 0)).norm(), 0, 1e-9);
+  EXPECT_EQ(walls[0].patch, "wall");
+  EXPECT_EQ(doubts_about(walls).size(), 1U);
 }
 
 }  // namespace
