@@ -16,6 +16,7 @@
 #include "lumesh/core/disjoint_sets.hpp"
 #include "lumesh/core/grid.hpp"
 #include "lumesh/geometry/predicates.hpp"
+#include "lumesh/geometry/triangle.hpp"
 
 namespace lumesh {
 namespace {
@@ -167,7 +168,10 @@ bool is_at_border(const ImageFrame& frame, const Index3& v) {
 struct SectionRow {
   std::vector<double> heights_mm;
   std::vector<Vec3> centres_mm;
+  double middle_mm2 = 0;   // Area of the section at height 0.
   bool is_joined = false;  // Ends where vessels join.
+
+  [[nodiscard]] double length_mm() const { return heights_mm.back() - heights_mm.front(); }
 };
 
 class SectionWalk {
@@ -187,6 +191,7 @@ class SectionWalk {
     std::ranges::reverse(row_.heights_mm);
     std::ranges::reverse(row_.centres_mm);
     add(*middle, 0);
+    row_.middle_mm2 = middle->area_mm2;
     walk(*middle, 1, ahead);
     return row_;
   }
@@ -312,6 +317,8 @@ AxisDirection axis_by_sections(const SectionOf& section_of, const CutPlane& gues
   constexpr int kLeastBack = 6, kLeastAhead = 3;                     // Steps, for vessels of few voxels.
   constexpr std::size_t kLeastSections = 4;
   constexpr double kSettled = 0.003;  // Slope.
+  // Radii of the section's circle: sections of a ball halve within 1.15 of its radii around the middle.
+  constexpr double kLeastOfVessel = 1.4;
   using Doubt = AxisDirection::Doubt;
   const double step_mm = std::max(kStep * radius_mm, layer_mm);
   const auto steps = [&](double radii) { return static_cast<int>(std::lround(radii * radius_mm / step_mm)); };
@@ -321,14 +328,13 @@ AxisDirection axis_by_sections(const SectionOf& section_of, const CutPlane& gues
   AxisDirection found;
   for (int turn = 0; turn < kTurns; ++turn) {
     const SectionRow row = SectionWalk(section_of, plane, radius_mm, step_mm, chance_mm).run(back, ahead);
-    if (row.heights_mm.size() < kLeastSections ||
-        row.heights_mm.back() - row.heights_mm.front() < kLeast * radius_mm)
+    if (row.heights_mm.size() < kLeastSections || row.length_mm() < kLeast * radius_mm)
       return {row.is_joined ? Doubt::kJoined : Doubt::kShort};
     const FittedSlope fit = fitted_slope(row, chance_mm);
     const double off = (fit.slope - plane.normal).norm();
-
+    const bool is_of_vessel = row.length_mm() >= kLeastOfVessel * circle_radius(row.middle_mm2);
     plane.normal = fit.slope.normalized();
-    found = {Doubt::kNone, plane.normal, std::max(fit.error, off)};
+    found = {Doubt::kNone, plane.normal, std::max(fit.error, off), is_of_vessel ? row.middle_mm2 : 0};
     if (off < kSettled) break;
   }
   return found;

@@ -52,6 +52,9 @@ struct AxisDirection {
   Doubt doubt = Doubt::kNone;
   Vec3 unit = Vec3::Zero();  ///< In the sense of the plane's normal.
   double error = 0;          ///< Standard deviation of its parts across, of length 1.
+  /// Area of the section at the place, where sections stay alike for longer than those of a ball would, so
+  /// that it is the vessel's own, oval or not; else 0.
+  double section_mm2 = 0;
 };
 
 /// The tangent of the curve of the centres of sections, two radii to the one side of a place and one to the

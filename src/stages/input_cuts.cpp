@@ -51,13 +51,28 @@ Polylines axes_of_piece(LabelImage image, const Index3& voxel) {
   return extract_centerline(image, {}, quiet);
 }
 
-CutPlane cut_at(LabelImage& image, const Vec3& place, std::span<const CutPlane> before, Context& context) {
+/// The direction of axes by sections of an image that planes cut.
+AxisAtPlace axes_by_voxels(const LabelImage& image, const std::vector<CutPlane>& planes) {
+  return [&image, &planes](const AxisPlace& at) {
+    const SectionOf section_of = [&](const CutPlane& plane, double reach_mm) {
+      return section_of_voxels(image, planes, plane, reach_mm);
+    };
+    const ImageFrame& frame = image.frame();
+    return axis_by_sections(section_of, at.across, at.radius_mm, frame.thickness_along_mm(at.across.normal),
+                            deviation_of_centre_mm(at.radius_mm, frame.spacing_mm.maxCoeff()));
+  };
+}
+
+CutPlane cut_at(LabelImage& image, const Vec3& place, const std::vector<CutPlane>& before,
+                const Context& context) {
   const std::optional<Index3> voxel = object_voxel_near(image, place);
   if (!voxel)
     throw Error(ErrorKind::kBadInput, "no vessel runs at " + place_text(place) + ": all is background there");
-  const AxisPlace found = axis_at(axes_of_piece(image, *voxel), place, before);
-  const CutVessel cut = cut_off_vessel(image, found.across, found.radius_mm);
-  const std::string doubt = doubt_about_section(found, cut.section_mm2);
+  const AxisPlace found =
+      square_axis_at(axes_of_piece(image, *voxel), place, before, axes_by_voxels(image, before));
+  const CutVessel cut =
+      cut_off_vessel(image, found.across, found.section_radius_mm, kMaxWideningAtPlaces, CutPart::kSmaller);
+  const std::string doubt = doubt_about_cut(found, cut.section_mm2);
   if (!doubt.empty()) context.warn(doubt);
   return cut.plane;
 }
@@ -97,7 +112,7 @@ std::vector<Vec3> clip_piece(LabelImage& image, const Index3& voxel, const Local
   const auto cut = [&](const AxisPlace& at) {
     const CutVessel made =
         cut_off_vessel(image, at.across, at.section_radius_mm, kMaxWideningAtEnds, CutPart::kAbove);
-    const std::string doubt = doubt_about_section(at, made.section_mm2);
+    const std::string doubt = doubt_about_cut(at, made.section_mm2);
     if (!doubt.empty()) context.warn(doubt);
     planes.push_back(made.plane);
   };
@@ -105,15 +120,7 @@ std::vector<Vec3> clip_piece(LabelImage& image, const Index3& voxel, const Local
   const auto shape_of = [&](const Vec3& end, const Vec3& outward, double radius_mm) {
     return shape_of_end(image.frame(), sections, end, outward, radius_mm);
   };
-  const auto axis_at_place = [&](const AxisPlace& at) {
-    const SectionOf section_of = [&](const CutPlane& plane, double reach_mm) {
-      return section_of_voxels(image, planes, plane, reach_mm);
-    };
-    const double layer_mm = image.frame().thickness_along_mm(at.across.normal);
-    return axis_of_both(at.across.normal, axis_by_sections(section_of, at.across, at.radius_mm, layer_mm,
-                                                           deviation_of_centre_mm(at.radius_mm, voxel_mm)));
-  };
-  return cut_ends(lines, length, is_wide, shape_of, axis_at_place, planes, cut, context);
+  return cut_ends(lines, length, is_wide, shape_of, axes_by_voxels(image, planes), planes, cut, context);
 }
 
 /// Ends without an axis of their own are those that several vessels share, and those of small pieces.
@@ -174,9 +181,11 @@ std::string line_on_plane_beyond(const CutPlane& plane) {
 std::string refusal_of_cut(const LabelImage& image, const Polylines& lines, std::span<const CutPlane> before,
                            const Vec3& place_mm) {
   try {
-    const AxisPlace found = axis_at(lines, place_mm, before);
+    const std::vector<CutPlane> planes(before.begin(), before.end());
+    const AxisPlace found = square_axis_at(lines, place_mm, before, axes_by_voxels(image, planes));
     LabelImage cut = image;
-    static_cast<void>(cut_off_vessel(cut, found.across, found.radius_mm));
+    static_cast<void>(
+        cut_off_vessel(cut, found.across, found.section_radius_mm, kMaxWideningAtPlaces, CutPart::kSmaller));
     return "";
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;

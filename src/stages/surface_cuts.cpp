@@ -66,7 +66,9 @@ class SurfaceCutter {
   void cut_at(const std::vector<Vec3>& places) {
     Context quiet;
     const Polylines lines = axes_of_vessels(mesh_, {}, quiet);
-    for (const Vec3& place : places) cut_off_end(axis_at(lines, place, {}), 3, CutPart::kSmaller);
+    for (const Vec3& place : places)
+      cut_off_end(square_axis_at(lines, place, {}, axes_by_triangles()), kMaxWideningAtPlaces,
+                  CutPart::kSmaller);
   }
 
   /// Cuts off the ends of vessels that end in an opening.
@@ -87,13 +89,8 @@ class SurfaceCutter {
           });
           return EndShape{0, end == ends.end() ? 0 : end->area_mm2 * std::abs(end->normal.dot(outward))};
         },
-        [&](const AxisPlace& at) {
-          const SectionOf section_of = [&](const CutPlane& plane, double reach_mm) {
-            return section_of_surface(mesh_, plane, reach_mm);
-          };
-          return axis_of_both(at.across.normal, axis_by_sections(section_of, at.across, at.radius_mm, 0, 0));
-        },
-        {}, [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
+        axes_by_triangles(), {},
+        [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
     if (ends.empty()) warn_of_closed_ends(closed_ends);
     for (const FlatEnd& end : ends)
       if (std::ranges::none_of(tried, [&](const Vec3& tip) { return is_at_end(tip, std::span(&end, 1)); }))
@@ -103,6 +100,16 @@ class SurfaceCutter {
   }
 
  private:
+  /// The direction of axes by sections of the surface as it is then.
+  [[nodiscard]] AxisAtPlace axes_by_triangles() const {
+    return [this](const AxisPlace& at) {
+      const SectionOf section_of = [this](const CutPlane& plane, double reach_mm) {
+        return section_of_surface(mesh_, plane, reach_mm);
+      };
+      return axis_by_sections(section_of, at.across, at.radius_mm, 0, 0);
+    };
+  }
+
   void warn_of_closed_ends(const std::vector<Vec3>& ends) const {
     std::string places;
     for (const Vec3& end : ends) places += (places.empty() ? " at " : ", ") + place_text(end);
@@ -129,7 +136,7 @@ class SurfaceCutter {
     const double section_mm2 = surfaces::cut_off_end(surface, plane, place.section_radius_mm, max_widening,
                                                      patch_count(), ends, goes)
                                    .section_mm2;
-    const std::string doubt = doubt_about_section(place, section_mm2);
+    const std::string doubt = doubt_about_cut(place, section_mm2);
     if (!doubt.empty()) context_.warn(doubt);
     Patch cap = lost_end(surface);
     replace_by(std::move(surface), 1);

@@ -177,14 +177,27 @@ CutPlane towards_end(const AxisPlace& place, const Vec3& end) {
   return plane;
 }
 
-/// Turns the plane at a place square to the axis there.
-void turn_square(AxisPlace& place, const AxisAtPlace& axis_at_place) {
-  const std::optional<Vec3> axis = axis_at_place(place);
-  if (!axis)
+/// Has sections up to half as wide again as a vessel's pass.
+void allow_sections_of(double vessel_mm2, double max_widening, AxisPlace& place) {
+  constexpr double kMaxOfVessel = 1.5;  // A fork begins with less than two vessels.
+  place.vessel_mm2 = vessel_mm2;
+  place.section_radius_mm =
+      std::max(place.radius_mm, circle_radius(kMaxOfVessel / max_widening * vessel_mm2));
+}
+
+/// Turns the plane at a place square to the axis there, by its line and by sections. @return  Whether the
+/// direction can be told; the plane stays where not.
+bool turn_square(AxisPlace& place, const AxisDirection& by_sections) {
+  const std::optional<Vec3> axis = axis_of_both(place.across.normal, by_sections);
+  if (axis) place.across.normal = *axis;
+  return axis.has_value();
+}
+
+void turn_square_or_throw(AxisPlace& place, const AxisAtPlace& axis_at_place) {
+  if (!turn_square(place, axis_at_place(place)))
     throw Error(ErrorKind::kBadInput,
                 "the direction of its axis cannot be told at " + place_text(place.across.point_mm) +
                     ", where vessels join, bend sharply or are thin; cut it with `cut_plane`");
-  place.across.normal = *axis;
 }
 
 }  // namespace
@@ -241,11 +254,20 @@ AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const Cut
   return found;
 }
 
+AxisPlace square_axis_at(const Polylines& lines, const Vec3& place, std::span<const CutPlane> before,
+                         const AxisAtPlace& axis_at_place) {
+  AxisPlace found = axis_at(lines, place, before);
+  found.across.normal.normalize();
+  const AxisDirection by_sections = axis_at_place(found);
+  found.is_doubtful = !turn_square(found, by_sections);
+  allow_sections_of(by_sections.section_mm2, kMaxWideningAtPlaces, found);
+  return found;
+}
+
 std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
                            const std::function<bool(std::uint32_t)>& is_end, const ShapeOfEnd& shape_of,
                            const AxisAtPlace& axis_at_place, const std::vector<CutPlane>& before,
                            const std::function<void(const AxisPlace&)>& cut, const Context& context) {
-  constexpr double kMaxOfEnd = 1.5;  // Sections over the end's; a fork begins with less than two vessels.
   std::vector<Vec3> ends;
   for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
     if (!is_end(from_end.front())) continue;
@@ -263,16 +285,14 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
       const double asked_mm = found.across.height(end);
       double min_mm = shape_of(end, found.across.normal, found.radius_mm).depth_mm;
       if (min_mm > asked_mm) found = place_before({min_mm});
-      turn_square(found, axis_at_place);
+      turn_square_or_throw(found, axis_at_place);
       EndShape shape = shape_of(end, found.across.normal, found.radius_mm);
       if (shape.depth_mm > std::max(min_mm, asked_mm)) {  // It reaches farther back along that direction.
         min_mm = shape.depth_mm;
         found = place_before({min_mm});
-        turn_square(found, axis_at_place);
+        turn_square_or_throw(found, axis_at_place);
       }
-      found.end_mm2 = shape.section_mm2;
-      found.section_radius_mm =
-          std::max(found.radius_mm, circle_radius(kMaxOfEnd / kMaxWideningAtEnds * shape.section_mm2));
+      allow_sections_of(shape.section_mm2, kMaxWideningAtEnds, found);
       cut(found);
       if (min_mm > asked_mm)
         context.warn(
@@ -288,13 +308,17 @@ std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
   return ends;
 }
 
-std::string doubt_about_section(const AxisPlace& place, double section_mm2) {
+std::string doubt_about_cut(const AxisPlace& place, double section_mm2) {
   constexpr double kWide = 1.5;
-  const double of_vessel = std::max(std::numbers::pi * place.radius_mm * place.radius_mm, place.end_mm2);
+  const double of_vessel = std::max(std::numbers::pi * place.radius_mm * place.radius_mm, place.vessel_mm2);
   const double radius_mm = circle_radius(of_vessel);
-  if (section_mm2 <= kWide * of_vessel) return "";
-  return section_text("the cut at " + place_text(place.across.point_mm), section_mm2, of_vessel, radius_mm) +
-         "look whether it forks or bulges there";
+  const std::string cut = "the cut at " + place_text(place.across.point_mm);
+  if (section_mm2 > kWide * of_vessel)
+    return section_text(cut, section_mm2, of_vessel, radius_mm) + "look whether it forks or bulges there";
+  if (!place.is_doubtful) return "";
+  return cut +
+         " may be oblique: the direction of the axis cannot be told there, where vessels join, bend "
+         "sharply or are thin; cut elsewhere, or with `cut_plane`";
 }
 
 }  // namespace lumesh

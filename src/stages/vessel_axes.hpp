@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "axis_sections.hpp"
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/domain.hpp"
@@ -23,10 +24,11 @@ struct AxisPlace {
   double off_radii = std::numeric_limits<double>::infinity();
   double radius_mm = 0;
   CutPlane across;  ///< Square to the axis.
-  /// Radius of a circle with three quarters of the area of the vessel's end, where that is known and larger:
-  /// oval vessels are wider than the ball that fits.
+  /// Radius of the circle that sections are compared with, larger where that of the vessel is known: oval
+  /// vessels are wider than the ball that fits.
   double section_radius_mm = 0;  ///< Else radius_mm.
-  double end_mm2 = 0;            ///< Area of the vessel's end across the axis; 0 if it is not known.
+  double vessel_mm2 = 0;         ///< Area of the vessel across the axis; 0 if it is not known.
+  bool is_doubtful = false;      ///< Its direction is the line's alone, as sections do not tell it.
 };
 
 /// Axes of the largest piece of an image that planes cut, without what is warned of; none where it is not
@@ -48,8 +50,9 @@ struct AxisPlace {
 /// @throws Error{kBadInput} if no vessel runs there, or not any more.
 [[nodiscard]] AxisPlace axis_at(const Polylines& lines, const Vec3& place, std::span<const CutPlane> before);
 
-/// Sections of ends that are cut unasked, in circles of the vessel's radius: wider ones fork or bulge.
-inline constexpr double kMaxWideningAtEnds = 2;
+/// Sections of ends that are cut unasked, and of cuts where they are asked for, in circles of the vessel's
+/// radius: wider ones fork or bulge.
+inline constexpr double kMaxWideningAtEnds = 2, kMaxWideningAtPlaces = 3;
 
 /// An opening seen along a direction out of it.
 struct EndShape {
@@ -57,9 +60,14 @@ struct EndShape {
   double section_mm2 = 0;  ///< Area of the vessel across the direction; 0 if it is not known.
 };
 using ShapeOfEnd = std::function<EndShape(const Vec3& end, const Vec3& outward, double radius_mm)>;
-/// The unit direction of the vessel's axis at a place, near the one that its line has there and towards its
-/// end; none where it cannot be told.
-using AxisAtPlace = std::function<std::optional<Vec3>(const AxisPlace& place)>;
+/// The direction of the vessel's axis at a place by its sections, in the sense of the plane's normal.
+using AxisAtPlace = std::function<AxisDirection(const AxisPlace& place)>;
+
+/// The vessel at a place that users give, by axis_at(), its plane turned square where the direction can be
+/// told. Sections of oval vessels may be as wide as they are there.
+/// @throws Error{kBadInput} as axis_at().
+[[nodiscard]] AxisPlace square_axis_at(const Polylines& lines, const Vec3& place,
+                                       std::span<const CutPlane> before, const AxisAtPlace& axis_at_place);
 
 /// Has the vessels cut at so far from each of their ends; an end that cannot be cut off stays, with a
 /// warning.
@@ -78,7 +86,8 @@ using AxisAtPlace = std::function<std::optional<Vec3>(const AxisPlace& place)>;
                                          const std::function<void(const AxisPlace&)>& cut,
                                          const Context& context);
 
-/// What to say of a cut whose section is much wider than the vessel; empty otherwise.
-[[nodiscard]] std::string doubt_about_section(const AxisPlace& place, double section_mm2);
+/// What to say of a cut whose section is much wider than the vessel, or whose direction is doubtful; empty
+/// otherwise.
+[[nodiscard]] std::string doubt_about_cut(const AxisPlace& place, double section_mm2);
 
 }  // namespace lumesh

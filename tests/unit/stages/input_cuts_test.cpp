@@ -223,11 +223,12 @@ TEST(InputCuts, EndsOfEveryPieceAreClipped) {
     EXPECT_GT(std::abs(opening.normal.dot(Vec3(1, 0, 0.3).normalized())), 0.99) << opening.name;
 }
 
-/// A trunk along z and its two arms, which go apart by 30 degrees each 8 voxels before the border.
-LabelImage fork_at_border() {
-  const Vec3 fork(28, 22.3, 52);
-  return fixtures::voxels_of(fixtures::frame_of({56, 44, 60}), {0, 1}, [=](const Vec3& p) {
-    const Vec3 off = p - fork;
+const Vec3 kFork(28, 22.3, 52);
+
+/// A trunk along z and its two arms, which go apart by 30 degrees each, so many voxels before the border.
+LabelImage fork_before_border(int voxels) {
+  return fixtures::voxels_of(fixtures::frame_of({56, 44, 52 + voxels}), {0, 1}, [=](const Vec3& p) {
+    const Vec3 off = p - kFork;
     const auto is_near = [&](const Vec3& along, double radius) {
       return (off - std::max(0.0, off.dot(along)) * along).norm() < radius;
     };
@@ -242,7 +243,7 @@ TEST(InputCuts, EndsBehindAForkAreCutSquareOrStayAndAreTold) {
   for (const std::string length : {"0.5r", "1r", "5", "2r"}) {
     std::vector<std::string> warnings;
     Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
-    LabelImage image = fork_at_border();
+    LabelImage image = fork_before_border(8);
     const std::vector<CutPlane> planes = cut_off(image, {{}, {}, local_length_from(length)}, context);
     const bool is_clear = length == "2r";  // Two voxels below the fork.
     EXPECT_EQ(planes.size(), is_clear ? 2U : 1U) << length;
@@ -256,25 +257,87 @@ TEST(InputCuts, EndsBehindAForkAreCutSquareOrStayAndAreTold) {
   }
 }
 
-/// Straight tubes of 1.75 to 2.9 voxels in radius, that lean to all sides.
-TEST(InputCuts, EndsOfThinVesselsAreCutSquare) {
+/// Angles between planes and the vessels that they cut.
+struct Angles {
+  void add(const CutPlane& plane, const Vec3& along) {
+    squares += std::pow(std::acos(std::min(1.0, std::abs(plane.normal.dot(along)))), 2);
+    ++count;
+  }
+  [[nodiscard]] double rms_deg() const { return std::sqrt(squares / count) * 180 / std::numbers::pi; }
+
   double squares = 0;
   int count = 0;
+};
+
+/// Straight tubes of 1.75 to 2.9 voxels in radius, that lean to all sides.
+struct ThinTube {
+  explicit ThinTube(int i)
+      : along(std::sin(0.06 * i) * std::cos(2.4 * i), std::sin(0.06 * i) * std::sin(2.4 * i),
+              std::cos(0.06 * i)),
+        middle(21.3 + 0.05 * i, 19.7 - 0.03 * i, 21.5),
+        image(fixtures::voxels_of(fixtures::frame_of({44, 40, 44}), {0, 1}, [&](const Vec3& p) {
+          return (p - middle - (p - middle).dot(along) * along).norm() < 1.75 + 0.1 * i ? 1 : 0;
+        })) {}
+
+  Vec3 along, middle;
+  LabelImage image;
+};
+
+TEST(InputCuts, EndsOfThinVesselsAreCutSquare) {
+  Angles angles;
   for (int i = 0; i < 12; ++i) {
-    const double radius = 1.75 + 0.1 * i, around = 2.4 * i, lean = 0.06 * i;
-    const Vec3 along(std::sin(lean) * std::cos(around), std::sin(lean) * std::sin(around), std::cos(lean)),
-        middle(21.3 + 0.05 * i, 19.7 - 0.03 * i, 21.5);
-    LabelImage image = fixtures::voxels_of(fixtures::frame_of({44, 40, 44}), {0, 1}, [&](const Vec3& p) {
-      return (p - middle - (p - middle).dot(along) * along).norm() < radius ? 1 : 0;
-    });
+    ThinTube tube(i);
     Context context;
-    for (const CutPlane& plane : cut_off(image, {{}, {}, local_length_from("1r")}, context)) {
-      squares += std::pow(std::acos(std::min(1.0, std::abs(plane.normal.dot(along)))), 2);
-      ++count;
-    }
+    for (const CutPlane& plane : cut_off(tube.image, {{}, {}, local_length_from("1r")}, context))
+      angles.add(plane, tube.along);
   }
-  EXPECT_EQ(count, 24);
-  EXPECT_LT(std::sqrt(squares / count) * 180 / std::numbers::pi, 1.2);
+  EXPECT_EQ(angles.count, 24);
+  EXPECT_LT(angles.rms_deg(), 1.2);
+}
+
+TEST(InputCuts, PlacesOnThinVesselsAreCutSquare) {
+  Angles angles;
+  for (int i = 0; i < 12; ++i)
+    for (const double off_mm : {-6.0, 1.0, 8.0}) {
+      ThinTube tube(i);
+      Context context;
+      for (const CutPlane& plane : cut_off(tube.image, {{}, {tube.middle + off_mm * tube.along}}, context))
+        angles.add(plane, tube.along);
+    }
+  EXPECT_EQ(angles.count, 36);
+  EXPECT_LT(angles.rms_deg(), 1.2);
+}
+
+/// The balls that fit into an oval vessel can lie to either side, and have a quarter of its section.
+TEST(InputCuts, PlacesOnOvalVesselsThatBendAreCutSquare) {
+  constexpr double kBend = 24, kThin = 3;
+  for (const double ratio : {2.0, 4.0})
+    for (const double degrees : {30.0, 45.0, 60.0}) {
+      LabelImage image = fixtures::voxels_of(fixtures::frame_of({42, 36, 42}), {0, 1}, [&](const Vec3& p) {
+        const double off = std::hypot(p.x(), p.z()) - kBend;
+        return std::hypot(off, (p.y() - 17.3) / ratio) < kThin ? 1 : 0;
+      });
+      std::vector<std::string> warnings;
+      Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+      const double angle = degrees * std::numbers::pi / 180;
+      const Vec3 along(-std::sin(angle), 0, std::cos(angle)),
+          place(kBend * std::cos(angle), 17.3, kBend * std::sin(angle));
+      Angles off;
+      for (const CutPlane& plane : cut_off(image, {{}, {place}}, context)) off.add(plane, along);
+      EXPECT_EQ(off.count, 1) << ratio << ' ' << degrees;
+      EXPECT_LT(off.rms_deg(), 1.5) << ratio << ' ' << degrees;
+      EXPECT_TRUE(warnings.empty()) << warnings.front();
+    }
+}
+
+TEST(InputCuts, APlaceWhereTheDirectionCannotBeToldIsCutAndTold) {
+  std::vector<std::string> warnings;
+  Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+  LabelImage image = fork_before_border(30);
+  const Vec3 place = kFork + 8 * Vec3(1, 0.1, std::sqrt(3)).normalized();
+  EXPECT_EQ(cut_off(image, {{}, {place}}, context).size(), 1U);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find(" may be oblique: "), std::string::npos) << warnings[0];
 }
 
 TEST(InputCuts, AnObliqueEndIsCutBehindItsOpening) {

@@ -463,20 +463,26 @@ TEST_F(SurfaceCuts, EndsOfOvalVesselsAreCut) {
   EXPECT_NEAR(end_named(cut, "inlet_1").area_mm2, given_mm3 / 20, 0.01 * given_mm3 / 20);
 }
 
-// The balls that fit into an oval vessel can lie to either side, and their centres stray.
+constexpr double kBend = 24;
+
+/// The balls that fit into it can lie to either side, and their centres stray.
+Tube bent_oval(double ratio) {
+  Tube tube;
+  tube.length_mm = 50;
+  tube.rows = 60;
+  tube.axis = [](double s) {
+    return Vec3(kBend * (1 - std::cos(s / kBend)), 0, kBend * std::sin(s / kBend));
+  };
+  tube.along = [](double s) { return Vec3(std::sin(s / kBend), 0, std::cos(s / kBend)); };
+  tube.radius = [ratio](double angle) {  // The long axis is that of y.
+    return 3 * ratio / std::hypot(ratio * std::cos(angle), std::sin(angle));
+  };
+  return tube;
+}
+
 TEST_F(SurfaceCuts, EndsOfOvalVesselsThatBendAreCutSquare) {
   for (const double ratio : {2.0, 3.0, 4.0}) {
-    constexpr double kBend = 24;
-    Tube tube;
-    tube.length_mm = 50;
-    tube.rows = 60;
-    tube.axis = [](double s) {
-      return Vec3(kBend * (1 - std::cos(s / kBend)), 0, kBend * std::sin(s / kBend));
-    };
-    tube.along = [](double s) { return Vec3(std::sin(s / kBend), 0, std::cos(s / kBend)); };
-    tube.radius = [&](double angle) {  // The long axis is that of y.
-      return 3 * ratio / std::hypot(ratio * std::cos(angle), std::sin(angle));
-    };
+    const Tube tube = bent_oval(ratio);
     InputCuts cuts;
     cuts.ends = local_length_from("2r");
     const auto domain = read(soup_of(tube), cuts).domain({});
@@ -486,6 +492,21 @@ TEST_F(SurfaceCuts, EndsOfOvalVesselsThatBendAreCutSquare) {
       EXPECT_GT(std::abs(end.normal.dot(tube.along(s))), std::cos(kPi / 180)) << ratio;
     }
   }
+}
+
+TEST_F(SurfaceCuts, PlacesOnOvalVesselsThatBendAreCutSquare) {
+  for (const double ratio : {1.5, 2.0, 4.0})
+    for (const double s : {16.0, 25.0, 33.0}) {
+      const Tube tube = bent_oval(ratio);
+      InputCuts cuts;
+      cuts.places_mm = {tube.axis(s)};
+      const auto domain = read(soup_of(tube), cuts).domain({});
+      const auto is_cut = [&](const FlatEnd& end) { return (end.centre_mm - tube.axis(s)).norm() < 1; };
+      const auto end = std::ranges::find_if(domain->flat_ends(), is_cut);
+      ASSERT_NE(end, domain->flat_ends().end()) << ratio << ' ' << s;
+      EXPECT_GT(std::abs(end->normal.dot(tube.along(s))), std::cos(0.5 * kPi / 180)) << ratio << ' ' << s;
+    }
+  EXPECT_TRUE(told_.empty()) << told_.front();
 }
 
 TEST_F(SurfaceCuts, EndsThatAPlaneMadeAreCutToo) {
