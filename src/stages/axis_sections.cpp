@@ -174,12 +174,16 @@ struct SectionRow {
   [[nodiscard]] double length_mm() const { return heights_mm.back() - heights_mm.front(); }
 };
 
+/// Whether sections are parallel to the first, or turn with the vessel, by up to a radian.
+enum class Planes : std::uint8_t { kParallel, kTurning };
+
 class SectionWalk {
  public:
   SectionWalk(const SectionOf& section_of, const CutPlane& plane, double radius_mm, double step_mm,
-              double chance_mm)
+              double chance_mm, Planes planes)
       : section_of_(section_of),
         plane_(plane),
+        planes_(planes),
         reach_mm_(kReach * radius_mm),
         step_mm_(step_mm),
         max_length_(kMaxLength + kDeviations * chance_mm / radius_mm) {}
@@ -199,11 +203,22 @@ class SectionWalk {
  private:
   static constexpr double kReach = 5;  // Radii of the ball that fits: oval vessels are wide.
   static constexpr double kMaxLength = 1.25,
-                          kDeviations = 3;  // Lengths over widths from one to the middle one.
+                          kDeviations = 3;    // Lengths over widths from one to the middle one.
+  static constexpr double kMinCosine = 0.54;  // Of a radian.
 
   void add(const VesselSection& section, double height_mm) {
     row_.heights_mm.push_back(height_mm);
     row_.centres_mm.push_back(section.centre_mm);
+  }
+
+  [[nodiscard]] CutPlane plane_beyond(const Vec3& at, const Vec3& last_step, double height_mm) const {
+    if (planes_ == Planes::kParallel) {
+      const Vec3 guess = at + last_step;
+      return {guess + (height_mm - plane_.height(guess)) * plane_.normal, plane_.normal};
+    }
+    const Vec3 along =
+        last_step.isZero() ? Vec3(std::copysign(1, height_mm) * plane_.normal) : last_step.normalized();
+    return {at + step_mm_ * along, along};
   }
 
   void walk(const VesselSection& middle, int sign, int count) {
@@ -211,9 +226,9 @@ class SectionWalk {
     Vec3 at = middle.centre_mm, last_step = Vec3::Zero();
     for (int i = 1; i <= count; ++i) {
       const double height_mm = sign * i * step_mm_;
-      Vec3 guess = at + last_step;
-      guess += (height_mm - plane_.height(guess)) * plane_.normal;
-      const auto found = section_of_({guess, plane_.normal}, reach_mm_);
+      const CutPlane plane = plane_beyond(at, last_step, height_mm);
+      if (std::abs(plane.normal.dot(plane_.normal)) < kMinCosine) return;
+      const auto found = section_of_(plane, reach_mm_);
       if (!found) return;
       const auto differs = [](double a, double b, double most) { return a > most * b || b > most * a; };
       // Where the vessel bends, sections parallel to the middle one are oblique.
@@ -228,6 +243,7 @@ class SectionWalk {
 
   const SectionOf& section_of_;
   const CutPlane& plane_;
+  Planes planes_;
   double reach_mm_, step_mm_, max_length_;
   SectionRow row_;
 };
@@ -266,6 +282,40 @@ FittedSlope fitted_slope(const SectionRow& row, double chance_mm) {
   const double kept = std::max(0.0, 1 - of_bend);
   return {slope - 2 * mean * kept * bend,
           std::sqrt(variance * (1 / linear + 4 * mean * mean * kept / square))};
+}
+
+/// The direction square to which sections around a point have their centres.
+/// @param plane  With a unit normal, to begin with.
+AxisDirection settled_direction(const SectionOf& section_of, CutPlane plane, double radius_mm, double step_mm,
+                                double chance_mm, Planes planes) {
+  constexpr int kTurns = 6;
+  constexpr double kBack = 2, kAhead = 1, kLeast = 1;  // Radii.
+  constexpr int kLeastBack = 6, kLeastAhead = 3;       // Steps, for vessels of few voxels.
+  constexpr std::size_t kLeastSections = 4;
+  constexpr double kSettled = 0.003;  // Slope.
+  // Radii of the section's circle: sections of a ball halve within 1.15 of its radii around the middle.
+  constexpr double kLeastOfVessel = 1.4;
+  using Doubt = AxisDirection::Doubt;
+  const auto steps = [&](double radii) { return static_cast<int>(std::lround(radii * radius_mm / step_mm)); };
+  const int back = std::max(kLeastBack, steps(kBack)), ahead = std::max(kLeastAhead, steps(kAhead));
+  AxisDirection found;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const SectionRow row =
+        SectionWalk(section_of, plane, radius_mm, step_mm, chance_mm, planes).run(back, ahead);
+    if (row.heights_mm.size() < kLeastSections || row.length_mm() < kLeast * radius_mm) {
+      if (planes == Planes::kTurning && turn > 0)
+        return found;  // The first plane alone is too near to an end.
+      return {row.is_joined ? Doubt::kJoined : Doubt::kShort};
+    }
+    const FittedSlope fit = fitted_slope(row, chance_mm);
+    const double off = (fit.slope.normalized() - plane.normal).norm();
+    const bool is_of_vessel = row.length_mm() >= kLeastOfVessel * circle_radius(row.middle_mm2);
+    plane.normal = fit.slope.normalized();
+    const double error = planes == Planes::kTurning ? fit.error : std::max(fit.error, off);
+    found = {Doubt::kNone, plane.normal, error, is_of_vessel ? row.middle_mm2 : 0};
+    if (off < kSettled) break;
+  }
+  return found;
 }
 
 }  // namespace
@@ -312,32 +362,17 @@ std::optional<VesselSection> section_of_surface(const MixedMesh& mesh, const Cut
 
 AxisDirection axis_by_sections(const SectionOf& section_of, const CutPlane& guess, double radius_mm,
                                double layer_mm, double chance_mm) {
-  constexpr int kTurns = 6;
-  constexpr double kBack = 2, kAhead = 1, kLeast = 1, kStep = 0.25;  // Radii.
-  constexpr int kLeastBack = 6, kLeastAhead = 3;                     // Steps, for vessels of few voxels.
-  constexpr std::size_t kLeastSections = 4;
-  constexpr double kSettled = 0.003;  // Slope.
-  // Radii of the section's circle: sections of a ball halve within 1.15 of its radii around the middle.
-  constexpr double kLeastOfVessel = 1.4;
-  using Doubt = AxisDirection::Doubt;
+  constexpr double kStep = 0.25;     // Radii.
+  constexpr double kMaxError = 0.1;  // Of the ones that turn: chance in vessels of 1.5 voxels.
+  const CutPlane plane{guess.point_mm, guess.normal.normalized()};
   const double step_mm = std::max(kStep * radius_mm, layer_mm);
-  const auto steps = [&](double radii) { return static_cast<int>(std::lround(radii * radius_mm / step_mm)); };
-  const int back = std::max(kLeastBack, steps(kBack)), ahead = std::max(kLeastAhead, steps(kAhead));
-  CutPlane plane = guess;
-  plane.normal.normalize();
-  AxisDirection found;
-  for (int turn = 0; turn < kTurns; ++turn) {
-    const SectionRow row = SectionWalk(section_of, plane, radius_mm, step_mm, chance_mm).run(back, ahead);
-    if (row.heights_mm.size() < kLeastSections || row.length_mm() < kLeast * radius_mm)
-      return {row.is_joined ? Doubt::kJoined : Doubt::kShort};
-    const FittedSlope fit = fitted_slope(row, chance_mm);
-    const double off = (fit.slope - plane.normal).norm();
-    const bool is_of_vessel = row.length_mm() >= kLeastOfVessel * circle_radius(row.middle_mm2);
-    plane.normal = fit.slope.normalized();
-    found = {Doubt::kNone, plane.normal, std::max(fit.error, off), is_of_vessel ? row.middle_mm2 : 0};
-    if (off < kSettled) break;
-  }
-  return found;
+  const auto by = [&](Planes planes) {
+    return settled_direction(section_of, plane, radius_mm, step_mm, chance_mm, planes);
+  };
+  const AxisDirection parallel = by(Planes::kParallel);
+  if (axis_of_both(plane.normal, parallel)) return parallel;
+  const AxisDirection turning = by(Planes::kTurning);
+  return turning.doubt == AxisDirection::Doubt::kNone && turning.error < kMaxError ? turning : parallel;
 }
 
 std::optional<Vec3> axis_before_end(const MixedMesh& mesh, const Vec3& centre_mm, const Vec3& normal,
@@ -348,7 +383,7 @@ std::optional<Vec3> axis_before_end(const MixedMesh& mesh, const Vec3& centre_mm
     return section_of_surface(mesh, plane, reach_mm);
   };
   const CutPlane first{centre_mm - kFirst * radius_mm * normal, normal};
-  const SectionRow row = SectionWalk(section_of, first, radius_mm, kStep * radius_mm, 0)
+  const SectionRow row = SectionWalk(section_of, first, radius_mm, kStep * radius_mm, 0, Planes::kParallel)
                              .run(static_cast<int>(std::lround(kDepth / kStep)), 0);
   if (row.heights_mm.empty() || row.heights_mm.front() > -kLeast * radius_mm) return std::nullopt;
   const FittedSlope fit = fitted_slope(row, 0);

@@ -58,7 +58,7 @@ struct AxisDirection {
 };
 
 /// The tangent of the curve of the centres of sections, two radii to the one side of a place and one to the
-/// other.
+/// other: parallel ones, or, where these leave it open, as in strong bends, ones that turn with the vessel.
 /// @param guess  A plane through a point of the vessel, roughly across it, whose normal points to the side of
 /// which one radius is looked at. @param layer_mm  Sections are not nearer to each other.
 /// @param chance_mm  Standard deviation of a centre that the voxels leave.

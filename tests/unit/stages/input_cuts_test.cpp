@@ -295,6 +295,34 @@ TEST(InputCuts, EndsOfThinVesselsAreCutSquare) {
   EXPECT_LT(angles.rms_deg(), 1.2);
 }
 
+/// Arcs of 234 degrees, 1.5 voxels in radius, that bend to three radii and six: planes parallel to the one
+/// before an end leave them, or run along them.
+TEST(InputCuts, EndsOfThinVesselsThatBendStronglyAreCut) {
+  Angles angles;
+  int stay = 0;
+  for (int i = 0; i < 12; ++i) {
+    const double bend = i % 2 == 0 ? 4.5 : 9;
+    const Vec3 middle(bend + 4.2 + 0.1 * i, 4.2 + 0.03 * i, 6.1 + 0.07 * i);
+    LabelImage image = fixtures::voxels_of(fixtures::frame_of({32, 20, 13}), {0, 1}, [&](const Vec3& p) {
+      constexpr double kPi = std::numbers::pi;
+      const double angle =
+          std::remainder(std::atan2(p.y() - middle.y(), p.x() - middle.x()) - kPi / 2, 2 * kPi);
+      const double at = kPi / 2 + std::clamp(angle, -0.65 * kPi, 0.65 * kPi);
+      return (p - middle - bend * Vec3(std::cos(at), std::sin(at), 0)).norm() < 1.5 ? 1 : 0;
+    });
+    std::vector<std::string> warnings;
+    Context context({}, [&](std::string_view text) { warnings.emplace_back(text); });
+    for (const CutPlane& plane : cut_off(image, {{}, {}, local_length_from("1r")}, context)) {
+      const Vec3 off = plane.point_mm - middle;
+      angles.add(plane, Vec3(-off.y(), off.x(), 0).normalized());
+    }
+    for (const std::string& warning : warnings) stay += warning.find(" stays: ") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_LE(stay, 2);
+  EXPECT_GE(angles.count, 21);
+  EXPECT_LT(angles.rms_deg(), 6);
+}
+
 TEST(InputCuts, PlacesOnThinVesselsAreCutSquare) {
   Angles angles;
   for (int i = 0; i < 12; ++i)
