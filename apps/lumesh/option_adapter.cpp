@@ -11,13 +11,14 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option_words.hpp"
 #include "lumesh/core/parse_number.hpp"
+#include "lumesh/core/trimmed.hpp"
 #include "lumesh/io/file_formats.hpp"
 
 namespace lumesh::cli {
 namespace {
 
 bool is_list(const OptionTarget& target) {
-  return std::holds_alternative<std::vector<int>*>(target) ||
+  return std::holds_alternative<OptionLabels>(target) ||
          std::holds_alternative<std::vector<std::string>*>(target) ||
          std::holds_alternative<std::map<int, double>*>(target) ||
          std::holds_alternative<OptionLabelledFiles>(target) ||
@@ -111,10 +112,13 @@ class Adder {
         fmt::format("{}", fmt::join(word.words, "|")));
     return made->default_str(word.words[word.get()]);
   }
-  CLI::Option* operator()(std::vector<int>* target) const {
-    return list([target](const Option& o,
-                         const std::string& value) { target->push_back(number_in_range<int>(o, value)); },
-                "INT,...")
+  CLI::Option* operator()(const OptionLabels& labels) const {
+    return list(
+               [words = labels.words](const Option& o, const std::string& value) {
+                 if (trimmed(value).empty()) throw_bad_value(o, "must be numbers or names of labels");
+                 words->emplace_back(trimmed(value));
+               },
+               "LABEL,...")
         ->delimiter(',');
   }
   CLI::Option* operator()(std::vector<std::string>* target) const {

@@ -132,7 +132,7 @@ std::string Option::value_text() const {
   return std::visit(
       Overloaded{
           [](bool* v) { return std::string(*v ? "on" : "off"); }, [](std::string* v) { return or_none(*v); },
-          [](std::vector<int>* v) { return joined_or_none(*v, [](int i) { return std::to_string(i); }); },
+          [&](const OptionLabels& labels) { return joined_or_none(*labels.words, as_text); },
           [&](std::vector<std::string>* v) { return joined_or_none(*v, as_text); },
           [](std::map<int, double>* v) {
             return joined_or_none(

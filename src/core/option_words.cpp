@@ -76,6 +76,10 @@ struct NoneTaker {
     if (rows.may_be_none) rows.set({});
     return rows.may_be_none;
   }
+  bool operator()(const OptionLabels& labels) const {
+    labels.words->clear();
+    return true;
+  }
   bool operator()(const OptionLabelledFiles& labelled) const {
     labelled.files->clear();
     return true;

@@ -1,9 +1,12 @@
 #include "lumesh/io/image_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string_view>
 
 #include "file_fault.hpp"
 #include "format_table.hpp"
@@ -26,14 +29,18 @@ void check_image(const fs::path& path) {
   if (fs::file_size(path, ignored) == 0) fail(path, "is empty; copy it again");
 }
 
+bool has_labels(const ImageReadOptions& options) {
+  return !options.labels.empty() || !options.label_names.empty();
+}
+
 void check_options(const ImageReadOptions& options) {
   const bool has_range = options.threshold || options.below;
   const auto exclude = [](bool both, const char* what) {
     if (both) throw Error(ErrorKind::kUsage, fmt::format("{} exclude each other: give one of them", what));
   };
-  exclude(!options.labels.empty() && has_range, "labels and a threshold");
+  exclude(has_labels(options) && has_range, "labels and a threshold");
   exclude(options.level_set && has_range, "a threshold and a level set");
-  exclude(options.level_set && !options.labels.empty(), "labels and a level set");
+  exclude(options.level_set && has_labels(options), "labels and a level set");
   exclude(!options.probabilities.empty() && has_range, "a threshold and probabilities");
   exclude(!options.probabilities.empty() && options.level_set, "a level set and probabilities");
   exclude(!options.probabilities.empty() && !options.label_images.empty(), "label images and probabilities");
@@ -45,11 +52,37 @@ void check_options(const ImageReadOptions& options) {
                                                *options.threshold, *options.below));
 }
 
+std::string list_of_names(const std::map<Label, std::string>& names) {
+  constexpr std::size_t kMax = 8;
+  std::vector<std::string_view> first;
+  for (const auto& [label, name] : names)
+    if (first.size() < kMax) first.push_back(name);
+  const std::size_t more = names.size() - first.size();
+  return fmt::format("there are {}{}", fmt::join(first, ", "),
+                     more == 0 ? "" : fmt::format(" and {} more", more));
+}
+
 /// Gives names to the labels that are there.
 void name_labels(const std::map<Label, std::string>& names, LabelImage& image) {
   for (const Label label : image.values())
     if (const auto at = names.find(label); label != kBackground && at != names.end())
       image.label_names()[label] = at->second;
+}
+
+/// Labels that are to be kept, by their numbers and names.
+std::vector<Label> wanted_labels(const ImageReadOptions& options, const std::map<Label, std::string>& names,
+                                 const fs::path& path) {
+  std::vector<Label> wanted = options.labels;
+  for (const std::string& name : options.label_names) {
+    const std::size_t before = wanted.size();
+    for (const auto& [label, called] : names)
+      if (called == name) wanted.push_back(label);
+    if (wanted.size() > before) continue;
+    if (names.empty())
+      fail(path, fmt::format("its labels have no names, such as \"{}\"; `labels` takes their numbers", name));
+    fail(path, fmt::format("no label is called \"{}\"; {}", name, list_of_names(names)));
+  }
+  return wanted;
 }
 
 /// Which values are the object's, if the voxels are no labels.
@@ -59,14 +92,14 @@ std::optional<ObjectValues> object_values(const io::RawImage& raw, const ImageRe
     return ObjectValues(options.threshold.value_or(-kInfinity), options.below.value_or(kInfinity));
   if (options.level_set)
     return *options.level_set == LevelSetSide::kNegative ? ObjectValues(-kInfinity, 0) : ObjectValues(0);
-  if (options.labels.empty() && io::are_probabilities(raw)) return ObjectValues(io::kEvenProbability);
+  if (!has_labels(options) && io::are_probabilities(raw)) return ObjectValues(io::kEvenProbability);
   return std::nullopt;
 }
 
 /// Says what a level set is taken for that nobody called one.
 std::optional<LevelSetSide> guessed_level_set(const io::RawImage& raw, const fs::path& path,
                                               const ImageReadOptions& options, const Context& context) {
-  if (options.threshold || options.below || options.level_set || !options.labels.empty()) return std::nullopt;
+  if (options.threshold || options.below || options.level_set || has_labels(options)) return std::nullopt;
   if (io::are_probabilities(raw) || !io::is_level_set(raw)) return std::nullopt;
   const std::optional<LevelSetSide> side = io::inside_of(raw);
   if (!side)
@@ -85,13 +118,14 @@ std::optional<LevelSetSide> guessed_level_set(const io::RawImage& raw, const fs:
 /// The labels of the image alone.
 LabelImage read_labels(const fs::path& path, const ImageReadOptions& options, Context& context) {
   io::RawImage raw = io::read_raw(path, {options.frame, options.unit_mm}, context);
-  if (raw.volumes > 1) return io::label_classes(raw, path, options.labels, context);
   ImageReadOptions taken = options;
+  taken.labels = wanted_labels(options, raw.label_names, path);
+  if (raw.volumes > 1) return io::label_classes(raw, path, taken.labels, context);
   if (const auto side = guessed_level_set(raw, path, options, context)) taken.level_set = side;
   const std::optional<ObjectValues> object = object_values(raw, taken);
   io::warn_of_nan(object ? io::NanVoxels::kStay : io::NanVoxels::kBecomeZero, path, context, raw);
   if (!object) {
-    LabelImage image = io::number_labels(raw, path, options.labels);
+    LabelImage image = io::number_labels(raw, path, taken.labels);
     name_labels(raw.label_names, image);
     return image;
   }

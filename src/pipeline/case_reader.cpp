@@ -214,10 +214,12 @@ class CaseReader {
   void set(const Key& key, const toml::node& node, std::string* target) const {
     *target = text_of(key, node);
   }
-  void set(const Key& key, const toml::node& node, std::vector<int>* target) const {
-    target->clear();
-    for (const toml::node& item : array_of(key, node, 0, "a list of whole numbers, such as [1, 2]"))
-      target->push_back(integer_of<int>(key, item));
+  void set(const Key& key, const toml::node& node, const OptionLabels& labels) const {
+    labels.words->clear();
+    for (const toml::node& item :
+         array_of(key, node, 0, "a list of numbers or names of labels, such as [1, \"wall\"]"))
+      labels.words->push_back(item.is_string() ? text_of(key, item)
+                                               : std::to_string(integer_of<int>(key, item)));
   }
   void set(const Key& key, const toml::node& node, std::vector<std::string>* target) const {
     target->clear();

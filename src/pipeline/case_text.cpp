@@ -2,6 +2,7 @@
 
 #include "case_sections.hpp"
 #include "lumesh/core/joined.hpp"
+#include "lumesh/core/parse_number.hpp"
 #include "lumesh/io/file_formats.hpp"
 
 namespace lumesh {
@@ -38,8 +39,9 @@ struct ValueText {
 
   std::string operator()(const bool* v) const { return *v ? "true" : "false"; }
   std::string operator()(const std::string* v) const { return toml_text(*v); }
-  std::string operator()(const std::vector<int>* v) const {
-    return list_of(*v, [](int i) { return std::to_string(i); });
+  std::string operator()(const OptionLabels& labels) const {
+    return list_of(*labels.words,
+                   [](const std::string& word) { return parse_number<int>(word) ? word : toml_text(word); });
   }
   std::string operator()(const std::vector<std::string>* v) const { return list_of(*v, toml_text); }
   std::string operator()(const std::map<int, double>* v) const {

@@ -1,12 +1,15 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <set>
+
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/image/crossings.hpp"
 #include "lumesh/image/selection.hpp"
 #include "lumesh/image/topology.hpp"
 #include "lumesh/io/sha256.hpp"
+#include "lumesh/mesh/parts.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
@@ -27,7 +30,11 @@ void make_phantom(CaseState& state) {
   state.input_sha256 = text_sha256(to_json_text(state.phantom->spec()));
   state.given.image = state.context.phase("voxels", [&] { return state.phantom->rasterise(); });
   const ImageSelection& selection = state.c.input.selection;
-  if (!selection.labels.empty()) select_labels(*state.given.image, selection.labels);
+  if (!selection.labels.empty()) {
+    const std::vector<Label>& there = state.given.image->values();
+    const std::set<Label> wanted = labels_called(selection.labels, {there.begin() + 1, there.end()}, {});
+    select_labels(*state.given.image, std::vector<Label>(wanted.begin(), wanted.end()));
+  }
   edit_image(selection, state.context, *state.given.image);
 }
 

@@ -108,9 +108,7 @@ void take_labels(const CenterlineRequest& request, MixedMesh& mesh) {
   if (mesh.view().cell_count() == 0)
     throw Error(ErrorKind::kUsage, fmt::format("{} is for images and volume meshes, and {} is a surface",
                                                option_name("labels"), request.path));
-  std::vector<std::string> wanted;
-  for (const Label label : request.selection.labels) wanted.push_back(std::to_string(label));
-  naming(request.path, [&] { mesh = part_of(mesh, labels_called(wanted, mesh)).mesh; });
+  naming(request.path, [&] { mesh = part_of(mesh, labels_called(request.selection.labels, mesh)).mesh; });
 }
 
 CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& context) {

@@ -5,6 +5,7 @@
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
+#include "lumesh/core/parse_number.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/stages/input_parts.hpp"
@@ -74,7 +75,11 @@ std::optional<std::size_t> ImageSelection::one_frame() const {
 
 ImageReadOptions ImageSelection::read_options() const {
   ImageReadOptions options;
-  options.labels = labels;
+  for (const std::string& word : labels)
+    if (const std::optional<Label> number = parse_number<Label>(word))
+      options.labels.push_back(*number);
+    else
+      options.label_names.push_back(word);
   options.threshold = threshold;
   options.below = threshold ? threshold_up_to : below;
   options.level_set = level_set;
@@ -86,7 +91,7 @@ ImageReadOptions ImageSelection::read_options() const {
 }
 
 void ImageSelection::describe(OptionList& list, bool has_probabilities) {
-  list.integers("labels", labels, "Labels of the image to take; none: all")
+  list.labels("labels", labels, "Labels of the image to take, by their numbers or names; none: all")
       .excludes("threshold")
       .excludes("below");
   list.rows("threshold",

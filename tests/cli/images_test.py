@@ -143,6 +143,13 @@ class ImagesTest(ProgramTest):
         self.assertIn(f'2 layers of segments, which become one image of labels: "aorta" of layer 0 is label 1 without {hidden} voxels', result.stderr)
         one = json.loads(self.run_well("info", image, "--frame", 1, "--json").stdout)
         self.assertEqual([label["name"] for label in one["labels"]], ["left renal", "vein"])
+        by_name = json.loads(self.run_well("info", image, "--labels", "left renal, 2", "--json").stdout)
+        self.assertEqual([label["label"] for label in by_name["labels"]], [2, 3])
+        refused = self.run_lumesh("info", image, "--labels", "right renal")
+        self.assertEqual(refused.returncode, BAD_INPUT, refused.stderr)
+        self.assertIn('no label is called "right renal"; there are aorta, vein, left renal', refused.stderr.splitlines()[-1])
+        self.assert_refused(self.run_lumesh("info", self.write("plain.nrrd", bytes(map(bool, voxels[::2]))), "--labels", "aorta"), BAD_INPUT,
+                            'its labels have no names, such as "aorta"; --labels takes their numbers')
         self.run_well("lattice", image, "-o", self.mesh)
 
     def test_masks_of_several_files(self):

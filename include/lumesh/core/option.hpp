@@ -116,10 +116,15 @@ struct OptionLabelledFiles {
   LabelledFiles* files;
 };
 
+/// Labels by their numbers or names.
+struct OptionLabels {
+  std::vector<std::string>* words;
+};
+
 /// The place where an option's value is kept. A map holds numbers of single labels.
 using OptionTarget = std::variant<bool*, int*, std::size_t*, double*, std::optional<double>*, std::string*,
-                                  std::vector<int>*, std::vector<std::string>*, std::map<int, double>*,
-                                  OptionWord, OptionPath, OptionParsed, OptionRows, OptionLabelledFiles>;
+                                  std::vector<std::string>*, std::map<int, double>*, OptionWord, OptionPath,
+                                  OptionParsed, OptionRows, OptionLabels, OptionLabelledFiles>;
 
 /// One option. The functions that return the option itself complete its description.
 struct Option {
@@ -200,8 +205,8 @@ class OptionList {
   Option& texts(std::string name, std::vector<std::string>& target, std::string meaning) {
     return add({std::move(name), &target, {}, std::move(meaning)});
   }
-  Option& integers(std::string name, std::vector<int>& target, std::string meaning) {
-    return add({std::move(name), &target, {}, std::move(meaning)});
+  Option& labels(std::string name, std::vector<std::string>& words, std::string meaning) {
+    return add({std::move(name), OptionLabels{&words}, {}, std::move(meaning)});
   }
   /// Numbers of single labels, LABEL=NUMBER each.
   Option& of_labels(std::string name, std::map<int, double>& target, const OptionRange& range,

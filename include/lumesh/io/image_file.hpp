@@ -31,7 +31,9 @@ struct LabelledFile {
 
 /// Selection from an image that is read.
 struct ImageReadOptions {
-  std::vector<Label> labels = {};  ///< Keep these only, the rest becomes background; empty = all.
+  /// Keep these only, and those of the names, the rest becomes background; all if both are empty.
+  std::vector<Label> labels = {};
+  std::vector<std::string> label_names = {};  ///< Names that the file gives to labels.
   /// Voxels >= threshold become label 1, the rest background; excludes `labels`.
   std::optional<double> threshold = {};
   /// The same for voxels <= below; with `threshold` for those from that to this. Excludes `labels`.

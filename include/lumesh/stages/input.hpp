@@ -36,7 +36,7 @@ enum class TouchChoice : std::uint8_t {
 
 /// Which voxels of an image count.
 struct ImageSelection {
-  std::vector<Label> labels;              ///< These only; all if empty.
+  std::vector<std::string> labels;        ///< These only, by their numbers or names; all if empty.
   std::optional<double> threshold;        ///< Voxels at or above become label 1, the rest background, …
   std::optional<double> threshold_up_to;  ///< … unless they are above this.
   std::optional<double> below;            ///< Threshold for voxels at or below it.

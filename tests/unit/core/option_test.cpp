@@ -84,7 +84,7 @@ TEST(OptionValue, ReadsAsAUserWouldSayIt) {
 struct Shelf {
   std::string title;
   std::string image = "a.nrrd";
-  std::vector<int> labels = {1, 3};
+  std::vector<std::string> labels = {"1", "left ICA"};
   std::vector<std::string> names;
   LabelledFiles files = {{"wall.nrrd", 2}};
   std::map<int, double> sizes = {{1, 0.5}};
@@ -95,7 +95,7 @@ struct Shelf {
   void describe(OptionList& list) {
     list.text("title", title, "Title");
     list.path("image", image, "Image", {"centerline"});
-    list.integers("labels", labels, "Labels");
+    list.labels("labels", labels, "Labels");
     list.texts("names", names, "Names");
     list.labelled_files("files", files, "Files");
     list.of_labels("sizes", sizes, above(0), "Sizes").in("mm");
@@ -112,7 +112,7 @@ TEST(OptionValue, ListsFilesAndRowsReadAsAUserWouldSayThem) {
   };
   EXPECT_EQ(value_of("title"), "none");
   EXPECT_EQ(value_of("image"), "a.nrrd");
-  EXPECT_EQ(value_of("labels"), "1, 3");
+  EXPECT_EQ(value_of("labels"), "1, left ICA");
   EXPECT_EQ(value_of("names"), "none");
   EXPECT_EQ(value_of("files"), "wall.nrrd=2");
   EXPECT_EQ(value_of("sizes"), "1=0.5");

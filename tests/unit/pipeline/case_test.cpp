@@ -50,7 +50,7 @@ TEST_F(CaseFile, ReadsKeysOfEverySectionAndKeepsDefaults) {
   const Case c = read(R"(mesher = "delaunay"
 [input]
 image = "images/a.nrrd"
-labels = [1, 3]
+labels = [1, 3, "left ICA"]
 cut_planes = [[0, 0, 10, 0, 0, -1]]
 [delaunay]
 delta = 0.5
@@ -69,7 +69,7 @@ meshes = ["a.vtu", "a.msh"]
   EXPECT_EQ(c.name, "a");
   EXPECT_EQ(c.mesher, Mesher::kDelaunay);
   EXPECT_EQ(c.input.image, (folder_ / "images/a.nrrd").string()) << "relative to the case file";
-  EXPECT_EQ(c.input.selection.labels, (std::vector<Label>{1, 3}));
+  EXPECT_EQ(c.input.selection.labels, (std::vector<std::string>{"1", "3", "left ICA"}));
   ASSERT_EQ(c.input.cuts.planes.size(), 1U);
   EXPECT_EQ(c.input.cuts.planes[0].normal, Vec3(0, 0, -1));
   EXPECT_EQ(c.delaunay.delaunay.delta_mm, 0.5);

@@ -20,7 +20,7 @@ namespace {
 TEST(MeshAdaptationRequest, WhatBelongsToAnImageNeedsIt) {
   MeshAdaptationRequest request;
   EXPECT_NO_THROW(request.validate());
-  request.selection.labels = {1};
+  request.selection.labels = {"1"};
   EXPECT_THROW(request.validate(), Error);
   request.image = "image.nrrd";
   EXPECT_NO_THROW(request.validate());

@@ -41,7 +41,7 @@ TEST(MetricStage, AMeshWithoutMetricIsToldEverySource) {
 TEST(MeshMetricRequest, WhatBelongsToAnImageNeedsItAndAnImageNeedsCurvature) {
   MeshMetricRequest request;
   EXPECT_NO_THROW(request.validate());
-  request.selection.labels = {1};
+  request.selection.labels = {"1"};
   EXPECT_THROW(request.validate(), Error);
   request.image = "image.nrrd";
   EXPECT_THROW(request.validate(), Error);
