@@ -156,15 +156,17 @@ void add_vtk_cell(const std::filesystem::path& path, std::int64_t type, std::spa
 }
 
 /// The faces of an array of kFaceArrays, instead of those before. @param patches  Below patch_end each.
+/// @param patch_array  Its name.
 template <std::size_t N, class Number>
 void take_vtk_faces(const std::filesystem::path& path, const std::vector<Number>& corners,
-                    const std::vector<Number>& patches, std::int64_t patch_end, std::size_t points,
-                    std::vector<Cell<N>>& faces, std::vector<std::int32_t>& tags) {
+                    const std::vector<Number>& patches, std::string_view patch_array, std::int64_t patch_end,
+                    std::size_t points, std::vector<Cell<N>>& faces, std::vector<std::int32_t>& tags) {
   if (corners.size() != N * patches.size()) fail(path, "its boundary faces are damaged");
   faces.clear();
   tags.clear();
   for (std::size_t f = 0; f < patches.size(); ++f) {
-    if (!(patches[f] >= 0 && patches[f] < static_cast<Number>(patch_end))) fail(path, kFaceWithoutPatch);
+    if (!(patches[f] >= 0 && patches[f] < static_cast<Number>(patch_end)))
+      fail_at_patch(path, patch_array, static_cast<std::int64_t>(patches[f]), patch_end);
     faces.push_back(vtk_cell<N>(path, std::span<const Number>(corners).subspan(N * f, N), points));
     tags.push_back(static_cast<std::int32_t>(patches[f]));
   }

@@ -10,6 +10,14 @@ void fail(const std::filesystem::path& path, std::string_view what, ErrorKind ki
   throw Error(kind, fmt::format("{}: {}", path.string(), what));
 }
 
+void fail_at_patch(const std::filesystem::path& path, std::string_view array, std::int64_t number,
+                   std::int64_t end) {
+  fail(path,
+       fmt::format("a boundary face has no valid patch: its number in the array \"{}\" is {}, not from 0 to "
+                   "{}; number the faces anew",
+                   array, number, end - 1));
+}
+
 void fail_at_line(const std::filesystem::path& path, std::size_t line, std::string_view what) {
   fail(path, fmt::format("line {}: {}; write the file again", line, what));
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// @file How every reader and writer says what is wrong with a file.
 
+#include <cstdint>
 #include <filesystem>
 #include <string_view>
 
@@ -11,6 +12,11 @@ namespace lumesh::io {
 /// Throws Error: one line, "path: what"; `what` also says what to do.
 [[noreturn]] void fail(const std::filesystem::path& path, std::string_view what,
                        ErrorKind kind = ErrorKind::kBadInput);
+
+/// Fault of the number that an array gives as the patch of a face; patches have numbers from 0 on, below
+/// `end`.
+[[noreturn]] void fail_at_patch(const std::filesystem::path& path, std::string_view array,
+                                std::int64_t number, std::int64_t end);
 
 /// Fault of a line of a text file.
 [[noreturn]] void fail_at_line(const std::filesystem::path& path, std::size_t line, std::string_view what);
@@ -30,7 +36,6 @@ inline constexpr char kDamagedVoxels[] =
 inline constexpr char kNoMaterial[] = "label {} cannot be meshed; labels are positive";
 inline constexpr char kFewCorners[] = "a polygon has fewer than three corners";
 inline constexpr char kWrongCorners[] = "a cell has a wrong number of corners";
-inline constexpr char kFaceWithoutPatch[] = "a boundary face has no valid patch";
 inline constexpr char kNoFaces[] = "the mesh has no boundary faces to write";
 inline constexpr char kBadOffsets[] = "its cell offsets are damaged";
 inline constexpr char kFewPoints[] = "does not hold as many points as it says";

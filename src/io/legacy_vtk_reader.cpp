@@ -416,8 +416,8 @@ class LegacyReader {
     const auto corners = arrays_.find(kFaceArrays[block]);
     const auto tags = arrays_.find(kFacePatchArrays[block]);
     if (corners == arrays_.end() || tags == arrays_.end()) return;
-    take_vtk_faces(path_, corners->second, tags->second, std::ssize(mesh_.info.patches), mesh_.points.size(),
-                   faces, patches);
+    take_vtk_faces(path_, corners->second, tags->second, kFacePatchArrays[block],
+                   std::ssize(mesh_.info.patches), mesh_.points.size(), faces, patches);
   }
 
   /// @return False if the file has none.

@@ -19,14 +19,17 @@ namespace {
 struct PatchNumbers {
   std::optional<std::vector<std::int64_t>> of_cell;
   std::string unnamed = "patch_";
+  std::string array = {};  // Its name.
 };
 
 constexpr const char* kNoPatchNumbers =
     "holds numbers that are negative or above 65000, which patches cannot have";
 
-bool are_numbers_of_patches(const std::vector<std::int64_t>& numbers) {
+/// A number that is none of a patch.
+std::optional<std::int64_t> bad_number_of(const std::vector<std::int64_t>& numbers) {
   constexpr std::int64_t kLargest = 65'000;
-  return std::ranges::all_of(numbers, [](std::int64_t id) { return id >= 0 && id <= kLargest; });
+  const auto bad = std::ranges::find_if(numbers, [](std::int64_t id) { return id < 0 || id > kLargest; });
+  return bad == numbers.end() ? std::nullopt : std::optional(*bad);
 }
 
 /// One number for all tells no patches apart.
@@ -41,11 +44,11 @@ PatchNumbers known_patches(const std::filesystem::path& path, const CellArrays& 
        {std::pair{"patch", "patch_"}, {"ModelFaceID", "face_"}, {"CellEntityIds", "face_"}}) {
     std::optional<std::vector<std::int64_t>> found = arrays.find(name);
     if (!found) continue;
-    PatchNumbers numbers{std::move(found), unnamed};
+    PatchNumbers numbers{std::move(found), unnamed, name};
     const bool is_ours = name == std::string_view("patch");
     if (is_ours && has_names) return numbers;
     if (is_one_number(*numbers.of_cell)) continue;
-    if (is_ours || are_numbers_of_patches(*numbers.of_cell)) return numbers;
+    if (is_ours || !bad_number_of(*numbers.of_cell)) return numbers;
     context.warn(
         fmt::format("{}: its array {} is not taken for patches, for it {}; number its faces from 0, or name "
                     "another array by `patch_array`",
@@ -60,21 +63,23 @@ PatchNumbers patches_by(const std::filesystem::path& path, const CellArrays& arr
   if (!found)
     fail(path, fmt::format("has no array \"{}\" of cells; it has {}", name,
                            arrays.names.empty() ? "none" : fmt::format("{}", fmt::join(arrays.names, ", "))));
-  PatchNumbers numbers{std::move(found), name == "patch" ? "patch_" : "face_"};
-  if (!are_numbers_of_patches(*numbers.of_cell))
-    fail(path, fmt::format("array \"{}\" {}", name, kNoPatchNumbers));
+  PatchNumbers numbers{std::move(found), name == "patch" ? "patch_" : "face_", name};
+  if (const auto bad = bad_number_of(*numbers.of_cell))
+    fail(path,
+         fmt::format("array \"{}\" {}, such as {}; number its faces from 0", name, kNoPatchNumbers, *bad));
   if (is_one_number(*numbers.of_cell)) numbers.of_cell.reset();
   return numbers;
 }
 
 }  // namespace
 
-void complete_patches(const std::filesystem::path& path, MixedMesh& mesh, const std::string& unnamed) {
+void complete_patches(const std::filesystem::path& path, MixedMesh& mesh, const std::string& array,
+                      const std::string& unnamed) {
   const auto known = static_cast<std::int32_t>(mesh.info.patches.size());
   std::map<std::int32_t, std::int32_t> added;  // Numbers in the file, and here.
   for (const auto* patches : {&mesh.triangle_patches, &mesh.quadrilateral_patches})
     for (const std::int32_t p : *patches) {
-      if (p < 0 || p >= kPatchEnd) fail(path, kFaceWithoutPatch);
+      if (p < 0 || p >= kPatchEnd) fail_at_patch(path, array, p, kPatchEnd);
       if (p >= known) added.emplace(p, 0);
     }
   if (added.empty()) return;
@@ -101,7 +106,7 @@ void add_polygons(const std::filesystem::path& path, const Polygons& polygons, c
   std::size_t cell = polygons.cells_before;
   const auto next_patch = [&] {
     const std::int64_t patch = numbers ? (*numbers)[cell++] : 0;
-    if (patch < 0 || patch >= kPatchEnd) fail(path, kFaceWithoutPatch);
+    if (patch < 0 || patch >= kPatchEnd) fail_at_patch(path, patches.array, patch, kPatchEnd);
     return static_cast<std::int32_t>(patch);
   };
   constexpr std::int64_t kVtkTriangle = 5, kVtkQuadrilateral = 9;
@@ -117,7 +122,7 @@ void add_polygons(const std::filesystem::path& path, const Polygons& polygons, c
       add_vtk_cell<std::int64_t>(path, kVtkTriangle, corners, patch, mesh);
     }
   });
-  complete_patches(path, mesh, patches.unnamed);
+  complete_patches(path, mesh, patches.array, patches.unnamed);
 }
 
 }  // namespace lumesh::io

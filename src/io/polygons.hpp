@@ -57,8 +57,8 @@ void add_polygons(const std::filesystem::path& path, const Polygons& polygons, c
 inline constexpr std::int64_t kPatchEnd = 65'535;
 
 /// Checks that faces have patches, and adds those with faces that the file does not describe, named by their
-/// numbers in it.
-void complete_patches(const std::filesystem::path& path, MixedMesh& mesh,
+/// numbers in it. @param array  Name of the array that has the numbers.
+void complete_patches(const std::filesystem::path& path, MixedMesh& mesh, const std::string& array,
                       const std::string& unnamed = "patch_");
 
 }  // namespace lumesh::io

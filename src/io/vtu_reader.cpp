@@ -17,7 +17,13 @@ namespace lumesh::io {
 
 namespace {
 
-std::vector<std::int64_t> read_labels(const VtkXmlReader& file, std::size_t cells) {
+/// Labels of cells, which are numbers of patches where the cells are faces.
+struct CellLabels {
+  std::vector<std::int64_t> of_cell;
+  std::string array;  ///< Empty where there is none.
+};
+
+CellLabels read_labels(const VtkXmlReader& file, std::size_t cells) {
   const pugi::xml_node data = file.piece().child("CellData");
   for (const char* name : kLabelArrays) {
     const pugi::xml_node array = VtkXmlReader::find_array(data, name);
@@ -26,24 +32,26 @@ std::vector<std::int64_t> read_labels(const VtkXmlReader& file, std::size_t cell
     if (labels.size() != cells) file.fail("does not hold as many labels as cells");
     const auto fits = [](std::int64_t label) { return label >= INT32_MIN && label <= INT32_MAX; };
     if (!std::ranges::all_of(labels, fits)) file.fail("a label is too large");
-    return labels;
+    return {std::move(labels), name};
   }
-  return std::vector<std::int64_t>(cells, 1);
+  return {std::vector<std::int64_t>(cells, 1), ""};
 }
 
-void read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
+/// @return  The array of their labels.
+std::string read_cells(const VtkXmlReader& file, MixedMesh& mesh) {
   const std::size_t cells = file.count("NumberOfCells");
   const CellCorners corners = file.cells("Cells");
   const auto types =
       file.integers(VtkXmlReader::find_array(file.piece().child("Cells"), "types"), "cell types");
   if (corners.ends.size() != cells || types.size() != cells)
     file.fail("does not hold as many cells as it says");
-  const auto labels = read_labels(file, cells);
+  CellLabels labels = read_labels(file, cells);
   std::size_t c = 0;
   for_each_cell(file.path(), corners, [&](std::span<const std::int64_t> cell) {
-    add_vtk_cell(file.path(), types[c], cell, static_cast<Label>(labels[c]), mesh);
+    add_vtk_cell(file.path(), types[c], cell, static_cast<Label>(labels.of_cell[c]), mesh);
     ++c;
   });
+  return std::move(labels.array);
 }
 
 template <std::size_t N>
@@ -55,7 +63,7 @@ void read_faces(const VtkXmlReader& file, std::size_t block, std::size_t points,
   if (!array) return;
   const auto corners = file.integers(array, name);
   const auto tags = file.integers(VtkXmlReader::find_array(fields, patch_name), patch_name);
-  take_vtk_faces(file.path(), corners, tags, kPatchEnd, points, faces, patches);
+  take_vtk_faces(file.path(), corners, tags, patch_name, kPatchEnd, points, faces, patches);
 }
 
 void read_info(const VtkXmlReader& file, MixedMesh& mesh) {
@@ -108,11 +116,11 @@ MixedMesh read_vtu(const std::filesystem::path& path) {
   mesh.points = file.points();
   mesh.metric = read_metric_array(path, file, mesh.points.size());
   mesh.sizes_mm = read_sizes(file, mesh.points.size());
-  read_cells(file, mesh);
+  const std::string labels = read_cells(file, mesh);
   read_info(file, mesh);
   read_faces(file, 0, mesh.points.size(), mesh.triangles, mesh.triangle_patches);
   read_faces(file, 1, mesh.points.size(), mesh.quadrilaterals, mesh.quadrilateral_patches);
-  complete_patches(path, mesh);
+  complete_patches(path, mesh, labels);
   return mesh;
 }
 

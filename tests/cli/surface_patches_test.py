@@ -26,6 +26,16 @@ class SurfacePatchesTest(SurfaceFilesTest):
         source = self.vtp(points, triangles, number="Float64", ModelFaceID=[n + 0.5 for n in numbers])
         self.assert_refused(self.run_lumesh("info", source), BAD_INPUT, "ModelFaceID holds fractions where whole numbers are needed")
 
+    def test_numbers_that_no_patch_has_are_told_with_their_array(self):
+        points, *parts = closed_tube()
+        triangles = sum(parts, [])
+        for number in (-3, 70_000):
+            numbers = [number if i == 2 else i for i, part in enumerate(parts) for _ in part]
+            self.assert_refused(self.run_lumesh("info", self.vtp(points, triangles, patch=numbers)), BAD_INPUT,
+                                f'tube.vtp: a boundary face has no valid patch: its number in the array "patch" is {number}, not from 0 to 65534; number')
+            given = self.run_lumesh("delaunay", self.vtp(points, triangles, groups=numbers), "--patch-array", "groups", "-o", self.folder / "m.vtu")
+            self.assert_refused(given, BAD_INPUT, f'array "groups" holds numbers that are negative or above 65000, which patches cannot have, such as {number}; number')
+
     def test_different_names_stay_different_patches(self):
         points, wall, low, high = closed_tube()
         names, told = self.patches_made(self.solids(("wall", points, wall), ("outlet:1", points, low), ("outlet 1", points, high)))
