@@ -6,10 +6,10 @@
 #include "lumesh/report/stage_pages.hpp"
 #include "lumesh/report/summary.hpp"
 #include "lumesh/stages/evaluation_stage.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "option_adapter.hpp"
 
 namespace lumesh::cli {
-
 namespace {
 
 struct EvaluateCommand {
@@ -29,7 +29,7 @@ void run(EvaluateCommand& command) {
   check_files({command.json_path, command.report_path, command.picture_path},
               {command.mesh_path, request.image, request.centerline, request.reference}, request.selection);
   request.validate();
-  MixedMesh mesh = context.phase("read mesh", [&] { return read_mesh(command.mesh_path); });
+  MixedMesh mesh = context.phase("read mesh", [&] { return read_told_mesh(command.mesh_path, context); });
   bring_to_lps_mm(mesh);
   const quality::Evaluation evaluation = evaluate_mesh(mesh, command.mesh_path, request, context);
   context.results_exist();

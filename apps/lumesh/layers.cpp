@@ -6,6 +6,7 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/report/stage_pages.hpp"
 #include "lumesh/stages/changing_mesh.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/layers_stage.hpp"
 #include "option_adapter.hpp"
 
@@ -30,7 +31,7 @@ void run(const LayersCommand& command) {
   command.request.require_held_by(to);
   check_output_folders({to, command.json_path, command.report_path});
   check_inputs_stay({command.json_path, command.report_path}, {from});
-  MixedMesh input = context.phase("read", [&] { return read_mesh(from); });
+  MixedMesh input = context.phase("read", [&] { return read_told_mesh(from, context); });
   const OwnPoints own(input);
   const MeshView before = input.view();
   report::LayeredMesh made = report::layer_mesh(input, from, command.request, context);

@@ -113,7 +113,8 @@ void write_settings(CaseFiles& files) {
 double units_per_metre(const fs::path& path, const std::string& unit) {
   if (const double mm = unit_in_mm(unit); mm > 0) return 1000 / mm;
   fail(path,
-       fmt::format("OpenFOAM wants metres, and the mesh is in \"{}\"; say its unit: mm, cm, m or um", unit));
+       fmt::format("OpenFOAM wants metres, and the mesh is in \"{}\"; say its unit: mm, cm, m, um or in",
+                   unit));
 }
 
 class FoamWriter {

@@ -20,6 +20,7 @@
 #include "lumesh/core/option.hpp"
 #include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/mesh/length_unit.hpp"
 #include "raw_image.hpp"
 #include "segment_layers.hpp"
@@ -210,17 +211,30 @@ void turn_to_lps(const NrrdNotes& notes, ImageHeader& header) {
   }
 }
 
+/// Warns of words in a header that say nothing about places.
+void warn_of_unknown_words(const fs::path& path, const NrrdNotes& notes, const FileChoice& choice,
+                           const Context& context) {
+  if (!choice.unit_mm && !notes.unit.empty() && unit_in_mm(notes.unit) == 0)
+    context.warn(path.string() + ": " + unknown_unit_text(notes.unit, option_name("unit")));
+  if (!notes.space_without_sides.empty())
+    context.warn(
+        fmt::format("{}: its space, {}, does not say which side is left: its coordinates are taken as LPS",
+                    path.string(), notes.space_without_sides));
+}
+
 RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoice& choice, Context& context) {
   const bool is_nrrd = dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
   const NrrdNotes notes = is_nrrd ? nrrd_notes(path) : NrrdNotes{kAllAxes};  // Before ITK reads it.
   ImageHeader header = read_header(path, io);
   header.has_spacing = notes.has_spacing;
+  warn_of_unknown_words(path, notes, choice, context);
   turn_to_lps(notes, header);
-  const double unit_mm = choice.unit_mm.value_or(notes.unit.empty() ? 1 : unit_in_mm(notes.unit));
+  const double stated_mm = unit_in_mm(notes.unit);
+  const double unit_mm = choice.unit_mm.value_or(stated_mm > 0 ? stated_mm : 1);
   header.spacing_mm *= unit_mm;
   header.origin_mm *= unit_mm;
   header.unit_is_given = choice.unit_mm.has_value();
-  header.stated_unit = notes.unit;
+  if (stated_mm > 0) header.stated_unit = notes.unit;
   RawImage image;
   image.frame = checked_frame(path, header, context);
   image.type = header.type;

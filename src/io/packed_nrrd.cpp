@@ -17,6 +17,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/core/trimmed.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "raw_image.hpp"
 #include "unpacked_file.hpp"
 
@@ -50,19 +51,18 @@ bool is_free_text(std::string_view line) {
          (colon != std::string_view::npos && line.substr(colon).starts_with(":="));
 }
 
-/// First unit of length in a line such as: units: "" "m" "m" "m"; empty if there is none.
+/// First unit of length in a line such as: units: "" "m" "m" "m", else the first word; empty without any.
 std::string unit_of(std::string_view line) {
+  std::string first;
   for (std::size_t begin = line.find('"'); begin != std::string_view::npos;) {
     const std::size_t end = line.find('"', begin + 1);
     if (end == std::string_view::npos) break;
-    const std::string_view unit = line.substr(begin + 1, end - begin - 1);
-    if (unit == "m" || unit == "meter" || unit == "meters") return "m";
-    if (unit == "cm" || unit == "mm") return std::string(unit);
-    if (unit == "millimeter" || unit == "millimeters") return "mm";
-    if (unit == "um" || unit == "micron" || unit == "microns" || unit == "micrometer") return "um";
+    const std::string unit = unit_called(trimmed(line.substr(begin + 1, end - begin - 1)));
+    if (unit_in_mm(unit) > 0) return unit;
+    if (first.empty()) first = unit;
     begin = line.find('"', end + 1);
   }
-  return "";
+  return first;
 }
 
 /// The vectors of a line such as: space directions: none (0,1,0) (0,0,-1) (1.5,0,0)
@@ -190,7 +190,10 @@ NrrdNotes nrrd_notes(const fs::path& path) {
       spacings = values_of(field_value(text));
     if (is_field(text, "kinds")) kinds = values_of(field_value(text));
     if (is_field(text, "spacedirections")) axes = vectors_of(text);
-    if (is_field(text, "space")) to_lps = factors_to_lps(field_value(text));
+    if (is_field(text, "space")) {
+      to_lps = factors_to_lps(field_value(text));
+      notes.space_without_sides = to_lps ? "" : field_value(text);
+    }
     const bool is_of_space = is_field(text, "spaceunits");
     if (is_of_space || (is_field(text, "units") && !has_space_units)) notes.unit = unit_of(text);
     has_space_units = has_space_units || is_of_space;

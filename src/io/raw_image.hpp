@@ -184,7 +184,8 @@ void require_sound_nrrd(const std::filesystem::path& path);
 /// Fields of an NRRD header that ITK does not look at.
 struct NrrdNotes {
   std::array<bool, 3> has_spacing = kNoAxis;  ///< ITK takes 1 where it is missing, or nan.
-  std::string unit = {};  ///< By "space units" or "units": a word of length_units(); empty: none.
+  std::string unit = {};  ///< By "space units" or "units", also one that is not known; empty: none.
+  std::string space_without_sides = {};  ///< Such as "scanner-xyz"; empty: a space that says which is left.
   std::vector<Vec3> axes =
       {};                      ///< "Space directions", in the file's space; empty if that has no known sides.
   Vec3 to_lps = Vec3::Ones();  ///< Factors of its coordinates.

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <string_view>
 
 #include "lumesh/core/trimmed.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 
 namespace lumesh::io {
 
@@ -37,6 +39,19 @@ std::string word_after(const std::string& text, std::string_view key) {
   return "";
 }
 
+/// One letter for each axis, such as "las".
+bool is_frame(std::string_view word) {
+  constexpr std::array<std::string_view, 3> kSides = {"lr", "ap", "is"};
+  return word.size() == kSides.size() && std::ranges::all_of(kSides, [&](std::string_view sides) {
+           return std::ranges::any_of(word, [&](char c) { return sides.find(c) != std::string_view::npos; });
+         });
+}
+
+std::string upper_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](char c) { return static_cast<char>(c - 'a' + 'A'); });
+  return text;
+}
+
 }  // namespace
 
 std::string unit_and_frame(const MeshInfo& info) {
@@ -46,10 +61,9 @@ std::string unit_and_frame(const MeshInfo& info) {
 void read_unit_and_frame(std::string_view comment, MeshInfo& info) {
   const std::string text = lower_case(std::string(comment));
   for (const char* key : {"units", "unit"})
-    if (const std::string unit = word_after(text, key); !unit.empty()) info.unit = unit;
+    if (const std::string unit = word_after(text, key); !unit.empty()) info.unit = unit_called(unit);
   const std::string frame = word_after(text, "space");
-  if (frame == "lps") info.frame = "LPS";
-  if (frame == "ras") info.frame = "RAS";
+  if (is_frame(frame)) info.frame = upper_case(frame);
 }
 
 }  // namespace lumesh::io

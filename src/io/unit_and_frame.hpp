@@ -11,7 +11,8 @@ namespace lumesh::io {
 /// "lumesh SPACE=LPS UNIT=mm": SPACE as 3D Slicer has it in the header of STL files.
 [[nodiscard]] std::string unit_and_frame(const MeshInfo& info);
 /// Unit and frame that a comment states, if it does, in letters of any case: any word as a unit, in lower
-/// case, also one that unit_in_mm() does not know, LPS or RAS as a frame.
+/// case, also one that unit_in_mm() does not know, and a letter for each axis, such as LPS or LAS, as a
+/// frame.
 void read_unit_and_frame(std::string_view comment, MeshInfo& info);
 
 }  // namespace lumesh::io

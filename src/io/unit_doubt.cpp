@@ -47,6 +47,14 @@ std::string doubt_of_stated_unit(const ModelSizes& sizes) {
 
 }  // namespace
 
+std::string unknown_unit_text(const std::string& unit, const std::string& remedy) {
+  return fmt::format(
+      "its unit is \"{}\", which is not known: its lengths are taken as mm; {} says that they are in mm, cm, "
+      "m, "
+      "um or in",
+      unit, remedy);
+}
+
 bool has_numbered_faces(std::span<const Patch> patches) {
   return std::ranges::any_of(patches,
                              [](const Patch& patch) { return patch.name.starts_with(kNumberedFace); });

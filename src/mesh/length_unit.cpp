@@ -1,14 +1,43 @@
 #include "lumesh/mesh/length_unit.hpp"
 
+#include <array>
+
 namespace lumesh {
 
 double unit_in_mm(std::string_view unit) {
-  return unit == "mm" ? 1 : unit == "cm" ? 10 : unit == "m" ? 1000 : unit == "um" ? 0.001 : 0;
+  return unit == "mm"   ? 1
+         : unit == "cm" ? 10
+         : unit == "m"  ? 1000
+         : unit == "um" ? 0.001
+         : unit == "in" ? 25.4
+                        : 0;
+}
+
+std::string unit_called(std::string_view word) {
+  struct Name {
+    std::string_view word, unit;
+  };
+  static constexpr std::array<Name, 11> kNames = {{{"millimeter", "mm"},
+                                                   {"millimetre", "mm"},
+                                                   {"centimeter", "cm"},
+                                                   {"centimetre", "cm"},
+                                                   {"meter", "m"},
+                                                   {"metre", "m"},
+                                                   {"micrometer", "um"},
+                                                   {"micrometre", "um"},
+                                                   {"micron", "um"},
+                                                   {"inch", "in"},
+                                                   {"inche", "in"}}};
+  std::string_view one = word;
+  if (one.size() > 1 && one.ends_with('s')) one.remove_suffix(1);
+  for (const Name& name : kNames)
+    if (name.word == one) return std::string(name.unit);
+  return std::string(word);
 }
 
 std::vector<std::pair<std::string, std::string>> length_units(bool has_file) {
   std::vector<std::pair<std::string, std::string>> words = {
-      {"mm", "mm"}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}};
+      {"mm", "mm"}, {"cm", "cm"}, {"m", "m"}, {"um", "um"}, {"in", "in"}};
   if (has_file) words.insert(words.begin(), {"file", ""});
   return words;
 }

@@ -229,7 +229,7 @@ void add_openings_of_surface(const DescriptionRequest& request, json& all, Conte
 
 json describe_mesh_file(const DescriptionRequest& request, Context& context) {
   const MixedMesh mesh =
-      context.phase("read", [&] { return read_mesh_in(request.path, request.selection.unit); });
+      context.phase("read", [&] { return read_mesh_in(request.path, request.selection.unit, context); });
   json all = describe_mesh(mesh);
   if (mesh.view().cell_count() > 0) warn_of_walled_ends(request.path, mesh, context);
   if (mesh.view().cell_count() == 0 && mesh.triangles.size() + mesh.quadrilaterals.size() > 0)

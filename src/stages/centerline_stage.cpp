@@ -113,8 +113,9 @@ void take_labels(const CenterlineRequest& request, MixedMesh& mesh) {
 
 CenterlineMade centerline_of_mesh(const CenterlineRequest& request, Context& context) {
   CenterlineMade made;
-  MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(request.path, request.selection.unit); });
-  warn_of_unit_and_frame(mesh.info, request.path, context);
+  MixedMesh mesh =
+      context.phase("read", [&] { return read_mesh_in(request.path, request.selection.unit, context); });
+  warn_of_ras(mesh.info, request.path, context);
   bring_to_lps_mm(mesh);
   const bool is_surface = mesh.view().cell_count() == 0;
   take_labels(request, mesh);

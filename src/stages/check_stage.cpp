@@ -131,7 +131,7 @@ CheckReport check_file(const std::filesystem::path& path, const ImageSelection& 
     report.checked = std::move(image);
     return report;
   }
-  MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(path, selection.unit); });
+  MixedMesh mesh = context.phase("read", [&] { return read_mesh_in(path, selection.unit, context); });
   CheckReport report = context.phase("check", [&] {
     if (mesh.view().cell_count() == 0) {
       mesh = as_surface(std::move(mesh), path, context);

@@ -14,10 +14,12 @@
 namespace lumesh {
 namespace {
 
-MixedMesh read_with_boundary(const std::string& path, const std::string& unit, Context& context) {
+/// @param remedy  Who says the right unit where that of the file is not known.
+MixedMesh read_with_boundary(const std::string& path, const std::string& unit, const std::string& remedy,
+                             Context& context) {
   MixedMesh mesh = context.phase("read", [&] { return read_surface_file(path, "", context); });
   if (!unit.empty()) mesh.info.unit = unit;
-  warn_of_unknown_unit(mesh.info, path, context);
+  warn_of_unknown_words(mesh.info, path, remedy, context);
   if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
   return mesh;
 }
@@ -45,7 +47,7 @@ void ConversionRequest::describe(OptionList& list) {
 }
 
 MixedMesh convert_mesh(const ConversionRequest& request, Context& context) {
-  MixedMesh mesh = read_with_boundary(request.from, request.unit, context);
+  MixedMesh mesh = read_with_boundary(request.from, request.unit, option_name("unit"), context);
   if (!request.only_labels.empty())
     mesh = context.phase("labels", [&] {
       return naming(request.from,
@@ -74,7 +76,7 @@ std::vector<NamedOpening> openings_in_mm(const MixedMesh& mesh) {
 }  // namespace
 
 RenamedMesh rename_mesh(const RenamingRequest& request, Context& context) {
-  RenamedMesh made{read_with_boundary(request.from, "", context), {}};
+  RenamedMesh made{read_with_boundary(request.from, "", kConvertSaysUnit, context), {}};
   naming(request.from, [&] {
     made.renamings = with_patches(renamings_from(request.names), openings_in_mm(made.mesh));
     rename_patches(made.mesh.info, made.renamings);

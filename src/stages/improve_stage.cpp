@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "lumesh/core/error.hpp"
-#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/metric/background_field.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/metric_input.hpp"
 
 namespace lumesh {
@@ -68,7 +68,7 @@ ImprovedMesh improve_mesh(MixedMesh input, const ImproveRequest& request, Contex
 }
 
 ImprovedMesh improve_mesh(const ImproveRequest& request, const Making& making, Context& context) {
-  MixedMesh input = context.phase("read", [&] { return read_mesh(request.mesh); });
+  MixedMesh input = context.phase("read", [&] { return read_told_mesh(request.mesh, context); });
   ImprovedMesh made = improve_mesh(std::move(input), request, context);
   std::map<std::string, std::string> provenance =
       provenance_of(making, request.mesh, made.mesh.input().info.provenance);

@@ -85,9 +85,16 @@ metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& pa
   return flow;
 }
 
-MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& unit) {
+MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& unit, const Context& context) {
   MixedMesh mesh = read_mesh(path);
   if (!unit.empty()) mesh.info.unit = unit;
+  warn_of_unknown_words(mesh.info, path, option_name("unit"), context);
+  return mesh;
+}
+
+MixedMesh read_told_mesh(const std::filesystem::path& path, const Context& context) {
+  MixedMesh mesh = read_mesh(path);
+  warn_of_unknown_words(mesh.info, path, kConvertSaysUnit, context);
   return mesh;
 }
 
@@ -104,16 +111,17 @@ std::string unit_doubt(const MixedMesh& surface, std::span<const Opening> openin
   return unit_doubt(surface, openings, bounding_box(surface.points));
 }
 
-void warn_of_unknown_unit(const MeshInfo& info, const std::filesystem::path& path, const Context& context) {
-  if (unit_in_mm(info.unit) == 0)
-    context.warn(
-        fmt::format("{}: its unit is \"{}\", which is not known: its lengths are taken as mm; {} says "
-                    "that they are in mm, cm, m or um",
-                    path.string(), info.unit, option_name("unit")));
+void warn_of_unknown_words(const MeshInfo& info, const std::filesystem::path& path, const std::string& remedy,
+                           const Context& context) {
+  if (unit_in_mm(info.unit) == 0) context.warn(path.string() + ": " + unknown_unit_text(info.unit, remedy));
+  if (info.frame != "LPS" && info.frame != "RAS")
+    context.warn(fmt::format(
+        "{}: its frame is \"{}\", which is not known: its coordinates are taken as LPS; turn them to "
+        "LPS or RAS before",
+        path.string(), info.frame));
 }
 
-void warn_of_unit_and_frame(const MeshInfo& info, const std::filesystem::path& path, const Context& context) {
-  warn_of_unknown_unit(info, path, context);
+void warn_of_ras(const MeshInfo& info, const std::filesystem::path& path, const Context& context) {
   if (info.frame == "RAS")
     context.warn(
         fmt::format("{}: its coordinates are RAS; places are told, and options of places taken, in "

@@ -8,10 +8,10 @@
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/domain/image_domain.hpp"
-#include "lumesh/io/mesh_file.hpp"
 #include "lumesh/metric/background_field.hpp"
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/input_cuts.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/metric_input.hpp"
 #include "lumesh/stages/provenance.hpp"
 
@@ -106,7 +106,7 @@ AdaptedMesh adapt_mesh(MixedMesh input, const MeshAdaptationRequest& request, Co
 }
 
 AdaptedMesh adapt_mesh(const MeshAdaptationRequest& request, const Making& making, Context& context) {
-  MixedMesh input = context.phase("read", [&] { return read_mesh(request.mesh); });
+  MixedMesh input = context.phase("read", [&] { return read_told_mesh(request.mesh, context); });
   AdaptedMesh made = adapt_mesh(std::move(input), request, context);
   made.mesh.finish(provenance_of(making, request.mesh, made.mesh.input().info.provenance), context);
   return made;

@@ -16,6 +16,7 @@
 #include "lumesh/io/metric_file.hpp"
 #include "lumesh/io/point_data_file.hpp"
 #include "lumesh/metric/shaping.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/metric_input.hpp"
 #include "vessel_axes.hpp"
 
@@ -116,7 +117,7 @@ MeshWithMetric give_metric(MixedMesh input, const MeshMetricRequest& request, Co
 }
 
 MeshWithMetric give_metric(const MeshMetricRequest& request, const Making& making, Context& context) {
-  MixedMesh input = context.phase("read", [&] { return read_mesh(request.mesh); });
+  MixedMesh input = context.phase("read", [&] { return read_told_mesh(request.mesh, context); });
   MeshWithMetric made = give_metric(std::move(input), request, context);
   made.mesh.finish_metric(provenance_of(making, request.mesh, made.mesh.input().info.provenance));
   return made;

@@ -235,8 +235,9 @@ RepairOutcome repair_surface(const MixedMesh& surface, const RepairRequest& requ
 }
 
 RepairOutcome repair_file(const std::string& path, const RepairRequest& request, Context& context) {
-  const MixedMesh surface =
-      as_surface(context.phase("read", [&] { return read_surface_file(path, "", context); }), path, context);
+  MixedMesh read = context.phase("read", [&] { return read_surface_file(path, "", context); });
+  warn_of_unknown_words(read.info, path, kConvertSaysUnit, context);
+  const MixedMesh surface = as_surface(std::move(read), path, context);
   naming(path, [&] { surfaces::require_no_far_vertices(surface.points, surface.triangles); });
   if (const std::string doubt = unit_doubt(surface); !doubt.empty()) context.warn(path + ": " + doubt);
   RepairOutcome outcome = naming(path, [&] {

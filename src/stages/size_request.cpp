@@ -15,6 +15,7 @@
 #include "lumesh/mesh/polylines.hpp"
 #include "lumesh/stages/delaunay_stage.hpp"
 #include "lumesh/stages/input.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/metric_input.hpp"
 
 namespace lumesh {
@@ -41,8 +42,8 @@ std::vector<double> lengths_of(const std::vector<SymTensor>& tensors, const std:
   return lengths;
 }
 
-std::unique_ptr<Sizing> read_size_mesh(const std::string& path) {
-  MixedMesh mesh = read_mesh(path);
+std::unique_ptr<Sizing> read_size_mesh(const std::string& path, const Context& context) {
+  MixedMesh mesh = read_told_mesh(path, context);
   std::vector<double> sizes = std::move(mesh.sizes_mm);
   if (sizes.empty()) {
     const std::string solution = mesh.metric.empty() ? solution_beside(path) : "";
@@ -98,7 +99,7 @@ SizeData::SizeData(SizeRequest request, Context& context) : request_(std::move(r
   if (!request_.points.empty() && request_.points != "centerline")
     points_ = read_points_in(MeshInfo(), request_.points);
   if (!request_.image.empty()) parts_.push_back(read_size_image(request_.image, context));
-  if (!request_.mesh.empty()) parts_.push_back(read_size_mesh(request_.mesh));
+  if (!request_.mesh.empty()) parts_.push_back(read_size_mesh(request_.mesh, context));
 }
 
 std::unique_ptr<Sizing> SizeData::on(const Domain& domain, const Polylines& axes) && {

@@ -211,7 +211,7 @@ MixedMesh as_surface(MixedMesh mesh, const std::filesystem::path& path, const Co
   if (mesh.view().cell_count() > 0)
     throw Error(ErrorKind::kBadInput,
                 path.string() + ": is a mesh of a volume; give its surface alone, such as a .stl or .vtp");
-  warn_of_unit_and_frame(mesh.info, path, context);
+  warn_of_ras(mesh.info, path, context);
   bring_to_lps_mm(mesh);
   split_quadrilaterals(mesh);
   if (const double apart = surfaces::join_torn_corners(mesh.points, mesh.triangles); apart > 0)
@@ -224,6 +224,7 @@ SurfaceInput read_surface(const std::filesystem::path& path, const std::string& 
                           const SurfaceInputOptions& options, const InputCuts& cuts, const Context& context) {
   MixedMesh read = read_surface_file(path, options.patch_array, context);
   if (!unit.empty()) read.info.unit = unit;
+  warn_of_unknown_words(read.info, path, option_name("unit"), context);
   SurfaceInput input{as_surface(std::move(read), path, context), {}, 0};
   input.given_box_mm = bounding_box(input.mesh.points);
   weld_points(input.mesh);

@@ -152,6 +152,22 @@ class ImagesTest(ProgramTest):
                             'its labels have no names, such as "aorta"; --labels takes their numbers')
         self.run_well("lattice", image, "-o", self.mesh)
 
+    def test_words_of_a_header_that_say_nothing_are_told(self):
+        voxels = bytes(1 if math.dist((i, j), (11, 11)) < 5 else 0 for k in range(SIZES[2]) for j in range(SIZES[1]) for i in range(SIZES[0]))
+
+        def told(space, unit, *options):
+            image = self.folder / "words.nrrd"
+            image.write_bytes((f"NRRD0004\ntype: uint8\ndimension: 3\nspace: {space}\nsizes: %d %d %d\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n" % tuple(SIZES)
+                               + f'kinds: domain domain domain\nendian: little\nencoding: raw\nspace units: "{unit}" "{unit}" "{unit}"\n\n').encode() + voxels)
+            result = self.run_well("info", image, "--json", *options)
+            return json.loads(result.stdout)["spacing_mm"][0], result.stderr
+
+        self.assertIn('words.nrrd: its unit is "foo", which is not known: its lengths are taken as mm; --unit says', told("LPS", "foo")[1])
+        self.assertNotIn("not known", told("LPS", "foo", "--unit", "mm")[1])
+        self.assertIn("words.nrrd: its space, scanner-xyz, does not say which side is left: its coordinates are taken as LPS", told("scanner-xyz", "mm")[1])
+        spacing, lines = told("LPS", "inches")
+        self.assertEqual((spacing, "not known" in lines), (25.4, False))
+
     def test_masks_of_several_files(self):
         lumen = self.write("lumen.nrrd", cube(lambda p: 1 if depth(p, 5) >= 0 else 0))
         wall = self.write("wall.nrrd", cube(lambda p: 1 if depth(p, 8) >= 0 else 0))

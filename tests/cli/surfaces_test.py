@@ -41,20 +41,22 @@ class SurfacesTest(SurfaceFilesTest):
             return (json.loads(run.stdout) if command == "info" else None), run.stderr
 
         area = told("")[0]["openings"][0]["area_mm2"]
-        for comment, factor in (("UNIT=CM", 10), ("unit=Cm", 10), ("UNIT=M", 1000), ("UNIT=Um", 0.001)):
+        for comment, factor in (("UNIT=CM", 10), ("unit=Cm", 10), ("UNIT=M", 1000), ("UNIT=Um", 0.001), ("UNIT=inch", 25.4),
+                                ("UNIT=In", 25.4), ("units: inches", 25.4), ("units: millimetres", 1)):
             found, lines = told(comment)
-            self.assertAlmostEqual(found["openings"][0]["area_mm2"] / area / factor**2, 1, places=6)
+            self.assertAlmostEqual(found["openings"][0]["area_mm2"] / area / factor**2, 1, places=4)
             self.assertNotIn("not known", lines)
-        for comment, word in (("UNIT=inch", "inch"), ("UNIT=In", "in")):
+        for comment, word in (("UNIT=Cubit", "cubit"), ("units: foo", "foo")):
             found, lines = told(comment)
             self.assertIn(f'its unit is "{word}", which is not known: its lengths are taken as mm; --unit says', lines)
             self.assertAlmostEqual(found["openings"][0]["area_mm2"] / area, 1, places=9)
             self.assertNotIn("not known", told(comment, "--unit", "cm")[1])
-        source.write_text(text.replace("solid vessel", "solid UNIT=inch", 1))
+        source.write_text(text.replace("solid vessel", "solid UNIT=cubit SPACE=LAS", 1))
         for command, *rest in (("delaunay", "-o", self.folder / "t.vtu"), ("repair", "-o", self.folder / "r.stl"), ("check",),
                                ("centerline", "-o", self.folder / "c.vtp")):
-            self.assertIn('its unit is "inch"', self.run_lumesh(command, source, *rest).stderr, command)
-        self.assertIn('its unit is "inch"', self.run_well("convert", source, self.folder / "s.off").stderr)
+            lines = self.run_lumesh(command, source, *rest).stderr
+            self.assertEqual((lines.count('its unit is "cubit"'), lines.count('its frame is "LAS", which is not known: its coordinates are taken as LPS')), (1, 1), command)
+        self.assertIn('its unit is "cubit"', self.run_well("convert", source, self.folder / "s.off").stderr)
         found, lines = told("SPACE=ras")
         self.assertEqual((found["frame"], found["openings_frame"]), ("RAS", "LPS"))
         self.assertIn("its coordinates are RAS; places are told, and options of places taken, in LPS", lines)

@@ -129,6 +129,51 @@ class UnitsTest(ProgramTest):
         self.assertAlmostEqual(counts[1] / counts[0], 1, delta=0.03)
         self.assertAlmostEqual(spans[0], 10 * spans[1], places=9)
 
+    def stating(self, unit, mesh="stated.mesh"):
+        """The mesh in cm as a file that states another unit."""
+        stated = self.folder / mesh
+        self.run_well("convert", self.cm, stated)
+        text = stated.read_text()
+        self.assertIn('"unit":"cm"', text)
+        stated.write_text(text.replace('"unit":"cm"', f'"unit":"{unit}"'))
+        return stated
+
+    def test_every_command_tells_of_a_unit_that_is_not_known(self):
+        mesh, out = self.stating("foo"), self.folder / "out.vtu"
+        for remedy, command, *rest in (("--unit", "info"), ("--unit", "check"), ("--unit", "convert", out), ("--unit", "centerline", "-o", self.folder / "c.vtp"),
+                                       ("lumesh convert --unit", "evaluate"), ("lumesh convert --unit", "improve", "-o", out),
+                                       ("lumesh convert --unit", "rename", "-o", out, "--name", "low=a"),
+                                       ("lumesh convert --unit", "metric", "--curvature", "--max-size", 0.5, "-o", self.folder / "m.vtu"),
+                                       ("lumesh convert --unit", "layers", "--first-height", 0.001, "--count", 1, "-o", out),
+                                       ("lumesh convert --unit", "merge", self.mm, "-o", out)):
+            told = self.run_lumesh(command, mesh, *rest).stderr
+            self.assertEqual(told.count(f'stated.mesh: its unit is "foo", which is not known: its lengths are taken as mm; {remedy} says'), 1, f"{command}: {told}")
+        told = self.run_well("adapt", self.folder / "m.vtu", "-o", out).stderr
+        self.assertIn('its unit is "foo"', told)
+
+    def test_inches_are_converted(self):
+        self.assertEqual(self.info(self.stating("in"))["unit"], "in")
+        mm = self.folder / "converted.vtu"
+        self.assertEqual(self.run_well("convert", self.folder / "stated.mesh", mm, "--out-unit", "mm").stderr, "")
+        for p, q in zip(self.points(mm), self.points(self.cm)):
+            for x, y in zip(p, q): self.assertTrue(math.isclose(x, 25.4 * y, rel_tol=1e-9, abs_tol=1e-12), (p, q))
+
+    def test_meshes_of_other_units_are_merged(self):
+        one, other = self.folder / "one.mesh", self.folder / "other.mesh"
+        points, tetrahedra, _ = cube(2)
+        write_medit(one, points, tetrahedra, [])
+        write_medit(other, [(x + 1, y, z) for x, y, z in points], tetrahedra, [])
+        inches, out = self.folder / "inches.mesh", self.folder / "merged.vtu"
+        self.run_well("convert", other, inches, "--out-unit", "in")
+        self.assertIn('"unit":"in"', inches.read_text())
+        self.run_well("merge", one, inches, "-o", out)
+        self.assertEqual(self.info(out)["unit"], "mm")
+        self.assertAlmostEqual(max(x for x, _, _ in self.points(out)), 2, places=9)
+        inches.write_text(inches.read_text().replace('"unit":"in"', '"unit":"foo"'))
+        refused = self.run_lumesh("merge", one, inches, "-o", out)
+        self.assertEqual(refused.returncode, BAD_INPUT, refused.stderr)
+        self.assertIn("inches.mesh: has another unit or frame than", refused.stderr.splitlines()[-1])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -157,7 +157,9 @@ void bring_to(MixedMesh& mesh, const MeshInfo& frame);
 [[nodiscard]] metric::Flow read_flow_in(const MeshInfo& frame, const std::filesystem::path& path,
                                         const std::string& array, const std::string& unit);
 
-/// A mesh in the unit that is said of it; empty: as the file says, or mm.
-[[nodiscard]] MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& unit);
+/// A mesh in the unit that is said of it; empty: as the file says, or mm. Warns of a unit, and of a frame,
+/// that are not known.
+[[nodiscard]] MixedMesh read_mesh_in(const std::filesystem::path& path, const std::string& unit,
+                                     const Context& context);
 
 }  // namespace lumesh

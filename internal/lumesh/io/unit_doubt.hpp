@@ -8,6 +8,9 @@
 
 namespace lumesh {
 
+/// A text on a unit that is not known, behind the name of a file. @param remedy  Who says the right one.
+[[nodiscard]] std::string unknown_unit_text(const std::string& unit, const std::string& remedy);
+
 /// Clues to the unit of an image or a surface.
 struct ModelSizes {
   double longest_mm = 0;            ///< Longest side of its box.

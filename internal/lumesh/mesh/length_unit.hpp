@@ -10,8 +10,12 @@
 
 namespace lumesh {
 
-/// "mm", "cm", "m" or "um" in millimetres; 0 for any other word.
+/// "mm", "cm", "m", "um" or "in" in millimetres; 0 for any other word.
 [[nodiscard]] double unit_in_mm(std::string_view unit);
+
+/// The unit that a word in small letters stands for, such as "mm" for "millimetres"; the word where none
+/// does.
+[[nodiscard]] std::string unit_called(std::string_view word);
 
 /// These words, each for itself, as choices of an option. @param has_file  And "file" for an empty one.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> length_units(bool has_file);

@@ -34,10 +34,16 @@ void edit_image(const ImageSelection& selection, Context& context, LabelImage& i
 /// of the coordinates' unit.
 [[nodiscard]] SymTensor in_frame(const SymTensor& metric, const Vec3& factors);
 
-/// Warns of a unit that is not known. @param info  Of the file, or with the unit that the user says.
-void warn_of_unknown_unit(const MeshInfo& info, const std::filesystem::path& path, const Context& context);
-/// Warns of that, and that places are told in LPS where the file's are RAS.
-void warn_of_unit_and_frame(const MeshInfo& info, const std::filesystem::path& path, const Context& context);
+/// The remedy of commands that take no unit.
+inline constexpr char kConvertSaysUnit[] = "lumesh convert --unit";
+/// Warns of a unit and of a frame that are not known. @param info  Of the file, or with the unit that the
+/// user says. @param remedy  Who says the right unit.
+void warn_of_unknown_words(const MeshInfo& info, const std::filesystem::path& path, const std::string& remedy,
+                           const Context& context);
+/// Warns that places are told in LPS where the file's are RAS.
+void warn_of_ras(const MeshInfo& info, const std::filesystem::path& path, const Context& context);
+/// read_mesh() for commands that take no unit; warns of one, and of a frame, that are not known.
+[[nodiscard]] MixedMesh read_told_mesh(const std::filesystem::path& path, const Context& context);
 
 /// Doubt about a surface so small, large or thin that its coordinates are hardly mm; empty otherwise.
 /// @param given_mm  Around what was read, before cuts and extensions.
