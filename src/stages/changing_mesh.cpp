@@ -58,11 +58,13 @@ void OwnPoints::bring_back(TetMesh& mesh) const {
 ChangingMesh::ChangingMesh(MixedMesh input, const std::vector<std::string>& keep, const std::string& name,
                            Context& context)
     : input_(std::make_unique<MixedMesh>(std::move(input))), own_(*input_) {
+  const bool has_faces = !input_->triangles.empty() || !input_->quadrilaterals.empty();
   if (!keep.empty()) {
-    if (input_->triangles.empty() && input_->quadrilaterals.empty()) extract_boundary(*input_);
+    if (!has_faces) extract_boundary(*input_);
     naming(name, [&] { kept_.emplace(*input_, labels_called(keep, *input_)); });
   }
   changing_ = context.phase("build", [&] { return tetrahedra_of(given(), name); });
+  if (!has_faces) warn_of_found_patches(name, changing_.info().patches, context);
 }
 
 std::vector<PatchId> ChangingMesh::frozen_patches() const {

@@ -20,7 +20,10 @@ MixedMesh read_with_boundary(const std::string& path, const std::string& unit, c
   MixedMesh mesh = context.phase("read", [&] { return read_surface_file(path, "", context); });
   if (!unit.empty()) mesh.info.unit = unit;
   warn_of_unknown_words(mesh.info, path, remedy, context);
-  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
+  if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) {
+    extract_boundary(mesh);
+    warn_of_found_patches(path, mesh.info.patches, context);
+  }
   return mesh;
 }
 

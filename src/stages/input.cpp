@@ -1,6 +1,11 @@
 #include "lumesh/stages/input.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
 
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
@@ -119,6 +124,19 @@ void warn_of_unknown_words(const MeshInfo& info, const std::filesystem::path& pa
         "{}: its frame is \"{}\", which is not known: its coordinates are taken as LPS; turn them to "
         "LPS or RAS before",
         path.string(), info.frame));
+}
+
+void warn_of_found_patches(const std::string& path, std::span<const Patch> found, const Context& context) {
+  constexpr std::size_t kMax = 8;
+  if (found.size() < 2) return;
+  std::vector<std::string_view> names;
+  for (const Patch& patch : found.first(std::min(kMax, found.size()))) names.push_back(patch.name);
+  const std::size_t more = found.size() - names.size();
+  context.warn(
+      fmt::format("{}: has no faces: its boundary, and interfaces of labels, are found from the cells and "
+                  "called {}{}; ends of "
+                  "vessels are part of the walls",
+                  path, fmt::join(names, ", "), more == 0 ? "" : fmt::format(" and {} more", more)));
 }
 
 void warn_of_ras(const MeshInfo& info, const std::filesystem::path& path, const Context& context) {

@@ -12,6 +12,7 @@
 #include "lumesh/mesh/parts.hpp"
 #include "lumesh/mesh/tetrahedral_split.hpp"
 #include "lumesh/metric/shaping.hpp"
+#include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/metric_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
 
@@ -69,6 +70,8 @@ LayerResult grow_layers_on(const MixedMesh& mesh, const std::string& name, const
                            Context& context) {
   const auto grow_on = [&](const MixedMesh& tetrahedra) {
     TetMesh core = context.phase("build", [&] { return tetrahedra_of(tetrahedra, name); });
+    if (mesh.triangles.empty() && mesh.quadrilaterals.empty())
+      warn_of_found_patches(name, core.info().patches, context);
     if (!tetrahedra.metric.empty()) metric::set_metric(core, tetrahedra.metric);
     return naming(name, [&] { return grow_layers(core, options, context); });
   };

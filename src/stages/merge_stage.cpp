@@ -18,7 +18,10 @@ std::vector<MixedMesh> read_to_merge(const std::vector<std::string>& paths, cons
     if (const std::size_t inverted = count_inverted_cells(mesh.view()); inverted > 0)
       throw Error(ErrorKind::kBadInput,
                   fmt::format("{}: {} cells have no positive volume; repair it first", path, inverted));
-    if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) extract_boundary(mesh);
+    if (mesh.triangles.empty() && mesh.quadrilaterals.empty()) {
+      extract_boundary(mesh);
+      warn_of_found_patches(path, mesh.info.patches, context);
+    }
     bring_to(mesh, meshes.front().info);
   }
   return meshes;

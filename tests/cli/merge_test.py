@@ -5,6 +5,7 @@ Usage: merge_test.py LUMESH      Exit codes of lumesh: 1 usage, 2 bad input.
 """
 import json
 import pathlib
+import re
 import struct
 import sys
 import unittest
@@ -91,6 +92,20 @@ class MergeTest(MeshTest):
         self.assert_refused(self.run_lumesh("convert", "--only-labels", "1,7", one, copy), BAD_INPUT, "label 7")
         self.run_well("lattice", "--labels", "1,2", image, "-o", copy)
         self.assertIn('"options":"--labels 1,2"', copy.read_text())  # As it can be given again.
+
+    def test_patches_that_are_found_from_the_cells_are_told(self):
+        one, several, out = self.folder / "one.mesh", self.folder / "several.mesh", self.out
+        points, tetrahedra, _ = cube(4)
+        write_medit(one, points, tetrahedra, [])
+        write_medit(several, points, [(*t[:4], 2 if max(t[:4]) > len(points) // 2 + 13 else 1) for t in tetrahedra], [])
+        line = "several.mesh: has no faces: its boundary, and interfaces of labels, are found from the cells and called (.*); ends"
+        for command, *rest in (("convert", out), ("improve", "-o", out), ("layers", "--first-height", 0.001, "--count", 1, "-o", out),
+                               ("metric", "--curvature", "--max-size", 0.5, "-o", out), ("rename", "--name", "wall_1=a", "-o", out)):
+            called, = re.findall(line, self.run_well(command, several, *rest).stderr)
+            self.assertEqual(set(called.split(", ")), {"wall_1", "wall_2", "interface_1_2"}, command)
+            names = {patch["name"] for patch in json.loads(self.run_well("info", out, "--json").stdout)["patches"]}
+            self.assertLessEqual({"wall_2", "interface_1_2"}, names)
+        self.assertNotIn("found from", self.run_well("convert", one, out).stderr)
 
     def test_every_number_of_threads_gives_the_same_file(self):
         lower, upper, files = self.folder / "lower.mesh", self.folder / "upper.mesh", []

@@ -40,6 +40,9 @@ inline constexpr char kConvertSaysUnit[] = "lumesh convert --unit";
 /// user says. @param remedy  Who says the right unit.
 void warn_of_unknown_words(const MeshInfo& info, const std::filesystem::path& path, const std::string& remedy,
                            const Context& context);
+/// Warns of patches that a file of several labels without faces has got from its cells, if they are several.
+/// @param found  Those patches.
+void warn_of_found_patches(const std::string& path, std::span<const Patch> found, const Context& context);
 /// Warns that places are told in LPS where the file's are RAS.
 void warn_of_ras(const MeshInfo& info, const std::filesystem::path& path, const Context& context);
 /// read_mesh() for commands that take no unit; warns of one, and of a frame, that are not known.
