@@ -44,9 +44,9 @@ std::vector<double> differences_of(const std::vector<double>& sums) {
 
 }  // namespace
 
-std::vector<double> layer_heights(const LayerOptions& options) {
+std::vector<double> layer_heights(const LayerOptions& options, double most) {
   options.validate();
-  return differences_of(height_schedule(options));
+  return differences_of(height_schedule(options, most));
 }
 
 const char* name_of(LayerLimit limit) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include "case_sections.hpp"
 #include "case_stage.hpp"
@@ -121,11 +122,11 @@ class Prediction {
   }
   void grow_layers() {
     const LayerOptions& options = state_.c.layers.options;
-    constexpr std::size_t kBySizes = 5;  // As in the paper, until the mesh is there.
-    const std::size_t layers = options.counts_by_sizes() ? kBySizes : layer_heights(options).size();
+    const OutsideSize outside = outside_size();
+    const double triangles = surface_triangles(outside);
+    const std::size_t layers = layers_of(options, outside, triangles);
     const bool are_prisms = options.cells == LayerCells::kPrisms,
                is_inward = options.side == LayerSide::kInward;
-    const double triangles = surface_triangles();
     layer_cells_ = triangles * static_cast<double>(layers) * (are_prisms ? 1 : 3);
     const double seconds = kOutwardPerTriangle * triangles + (is_inward ? kInwardPerTet * last_tets_ : 0);
     if (!are_prisms) last_tets_ += layer_cells_;
@@ -149,13 +150,35 @@ class Prediction {
     made_.steps.push_back({std::move(what), seconds, tets});
   }
   [[nodiscard]] double per_core(double core_seconds) const { return core_seconds / state_.threads(); }
+  [[nodiscard]] OutsideSize outside_size() {
+    if (state_.given.image) return outside_of(*state_.given.image);
+    return {state_.given.domain_of_surface().area_mm2(), state_.given.domain_of_surface().volume_mm3()};
+  }
+  /// Layers of a column. Where sizes choose their number, those up to the length of the edges, as far as a
+  /// vessel of the object's volume and area has room.
+  [[nodiscard]] static std::size_t layers_of(const LayerOptions& options, const OutsideSize& outside,
+                                             double triangles) {
+    constexpr double kRoom = 0.5;     // Of the radius.
+    constexpr double kOfMost = 0.75;  // That columns have in the mean, as neighbours differ by one.
+    if (!options.counts_by_sizes()) return layer_heights(options).size();
+    const double edge_mm = std::sqrt(4 / std::numbers::sqrt3 * outside.area_mm2 / triangles),
+                 radius_mm = 2 * outside.volume_mm3 / outside.area_mm2;
+    const double scale_mm = options.scale == HeightScale::kEdge     ? edge_mm
+                            : options.scale == HeightScale::kRadius ? radius_mm
+                                                                    : 1;
+    double thickness_mm = 0;
+    std::size_t count = 0;
+    for (const double height : layer_heights(options, edge_mm / scale_mm)) {
+      thickness_mm += height * scale_mm;
+      if (count > 0 && options.side == LayerSide::kInward && thickness_mm > kRoom * radius_mm) break;
+      ++count;
+    }
+    return std::max<std::size_t>(1,
+                                 static_cast<std::size_t>(std::lround(kOfMost * static_cast<double>(count))));
+  }
   /// Triangles of the surface of the mesh on which layers grow.
-  [[nodiscard]] double surface_triangles() {
+  [[nodiscard]] double surface_triangles(const OutsideSize& outside) {
     const Case& c = state_.c;
-    const OutsideSize outside = state_.given.image
-                                    ? outside_of(*state_.given.image)
-                                    : OutsideSize{state_.given.domain_of_surface().area_mm2(),
-                                                  state_.given.domain_of_surface().volume_mm3()};
     const auto on_area = [&](double factor, double tets) {
       return factor * outside.area_mm2 * std::pow(tets / outside.volume_mm3, 2.0 / 3);
     };

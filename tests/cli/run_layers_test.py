@@ -4,6 +4,7 @@
 Usage: run_layers_test.py LUMESH      Exit code of lumesh: 2 bad input.
 """
 import json
+import math
 import pathlib
 import re
 import sys
@@ -149,6 +150,14 @@ class LayersTest(CaseTest):
         self.run_on_one_thread()
         foreseen = float(line.split("of about ")[1].split()[0])
         self.assertAlmostEqual(foreseen / self.numbers()["stages"][-1]["layers"]["cells"], 1, delta=0.4)
+
+    def test_a_dry_run_foresees_the_cells_of_layers_by_sizes(self):
+        options = ("--set", "layers.first_height=0.01", "--set", "layers.growth=1.6", *NO_PAGE)
+        self.case.write_text(LAYERS.replace("count = 3\n", ""))
+        line = next(line for line in self.run_case("--dry-run", *options).stdout.splitlines() if "boundary layers" in line)
+        self.run_case(*options)
+        foreseen = float(line.split("of about ")[1].split()[0])
+        self.assertLess(abs(math.log(foreseen / self.numbers()["stages"][-1]["layers"]["cells"])), math.log(1.5))
 
     def test_refuses_bad_layers_before_any_mesh(self):
         refused = [

@@ -131,10 +131,10 @@ struct LayerReport {
   [[nodiscard]] std::string shortfall() const;
 };
 
-/// Height of each layer of a complete column, from the surface on, in mm or times the scale; the first alone
-/// where sizes choose the number.
+/// Height of each layer of a complete column, from the surface on, in mm or times the scale.
+/// @param most  Where sizes choose the number, layers over the first are at most so high.
 /// @throws Error{kBadInput} as LayerOptions::validate() does, and if no growth makes the thickness.
-[[nodiscard]] std::vector<double> layer_heights(const LayerOptions& options);
+[[nodiscard]] std::vector<double> layer_heights(const LayerOptions& options, double most = 0);
 
 struct LayerResult {
   MixedMesh mesh;  ///< The core's points, cells and faces first, then those of the layers.

@@ -64,6 +64,7 @@ TEST(LayerHeights, AreThoseOfACompleteColumn) {
   EXPECT_NEAR(heights[2], 0.4, 1e-12);
   options.count = 0;
   EXPECT_EQ(layer_heights(options).size(), 1u) << "sizes choose the number";
+  EXPECT_EQ(layer_heights(options, 0.9).size(), 4u) << "0.1, 0.2, 0.4, 0.8";
 }
 
 }  // namespace
