@@ -87,19 +87,46 @@ class Extruder {
 
   /// Rough walls lead an extension off the vessel.
   void take_axis_of_end(SweptSection& s) {
-    constexpr double kMinCosine = 0.985, kMinOfNormal = 0.4;  // The first is that of 10 degrees.
-    if (!s.is_rough || !axis_of_end_) return;
+    constexpr double kMinOfNormal = 0.4;
+    if (!axis_of_end_ || (!s.is_rough && is_near(s.axis, s.normal))) return;
     const std::optional<Vec3> axis = axis_of_end_(s.centre_mm, s.normal, s.radius_mm);
-    if (!axis || axis->dot(s.normal) < kMinOfNormal) return;
-    const double cosine = std::min(1.0, axis->dot(s.axis));
-    if (s.is_clear && cosine < kMinCosine)
-      result_.notes.push_back(fmt::format(
-          "{}: the extension of {} goes on along the centres of sections before it, {:.0f} degrees off the "
-          "direction of the walls, which are rough; look at it, or smooth the surface before",
-          option_name("extend"), patch(s.patches[0]).name, degrees(std::acos(cosine))));
+    const bool is_known = axis && axis->dot(s.normal) > kMinOfNormal;
+    tell_doubt(s, is_known ? axis : std::nullopt);
+    if (!is_known || !s.is_rough) return;
     s.radius_mm *= std::sqrt(axis->dot(s.normal) / s.axis.dot(s.normal));
     s.axis = *axis;
     s.is_clear = true;
+  }
+
+  /// Whether directions are less than 5 degrees apart.
+  static bool is_near(const Vec3& a, const Vec3& b) {
+    constexpr double kCosine = 0.9962;
+    return a.dot(b) > kCosine;
+  }
+
+  /// Tells of an end whose direction the walls before it, the centres of sections, and its own normal do not
+  /// agree on.
+  void tell_doubt(const SweptSection& s, const std::optional<Vec3>& by_centres) {
+    const auto apart = [](const Vec3& a, const Vec3& b) {
+      return degrees(std::acos(std::min(1.0, a.dot(b))));
+    };
+    std::string why;
+    if (!by_centres && s.is_clear && !is_near(s.axis, s.normal))
+      why = fmt::format(
+          "the walls before it are {:.0f} degrees off its normal, and the centres of sections do not "
+          "tell it",
+          apart(s.axis, s.normal));
+    else if (by_centres && s.is_clear && !is_near(s.axis, *by_centres))
+      why = fmt::format("the walls before it and the centres of sections are {:.0f} degrees apart",
+                        apart(s.axis, *by_centres));
+    else if (by_centres && s.is_rough && !is_near(*by_centres, s.normal))
+      why = fmt::format("it is {:.0f} degrees off its normal, and the walls before it are rough",
+                        apart(*by_centres, s.normal));
+    if (!why.empty())
+      result_.notes.push_back(fmt::format(
+          "{}: the direction of the vessel at {}, {}, is doubtful: {}; look at the extension, or smooth "
+          "the surface before",
+          option_name("extend"), patch(s.patches[0]).name, place_text(s.centre_mm), why));
   }
 
   void extend(SweptSection s, double length_mm) {

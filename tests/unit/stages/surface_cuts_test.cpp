@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <set>
 #include <string>
 #include <string_view>
@@ -297,6 +298,43 @@ TEST_F(SurfaceCuts, ExtensionsOfStairSurfacesFollowTheVessel) {
             << given.transpose() << slope << end.name;
       }
     }
+}
+
+// Half a circle of two radii of the vessel; points of the walls, but for the ends', are off by up to 0.08 of
+// it along each axis.
+TEST_F(SurfaceCuts, ExtensionsOfRoughBendsThatLeanAreTold) {
+  constexpr double kArc = 8, kRadius = 4;
+  int leaning = 0;
+  for (int seed = 0; seed < 12; ++seed) {
+    Tube tube;
+    tube.length_mm = kArc * kPi;
+    tube.rows = 16;
+    tube.axis = [](double s) { return Vec3(kArc * (1 - std::cos(s / kArc)), 0, kArc * std::sin(s / kArc)); };
+    tube.along = [](double s) { return Vec3(std::sin(s / kArc), 0, std::cos(s / kArc)); };
+    tube.radius = [](double) { return kRadius; };
+    TriangleSoup soup = soup_of(tube);
+    std::mt19937 random(static_cast<unsigned>(seed));
+    constexpr std::size_t kAround = 32;
+    for (std::size_t i = kAround; i + kAround < soup.points.size(); ++i)
+      for (double& x : soup.points[i])
+        x += 0.15 * kRadius * (static_cast<double>(random()) / 0xffffffffU - 0.5);
+    InputCuts cuts;
+    cuts.extension.lengths = named_lengths_from("2r");
+    told_.clear();
+    const auto domain = read(soup, cuts).domain({});
+    for (const FlatEnd& end : domain->flat_ends())
+      for (const double s : {0.0, tube.length_mm}) {
+        const Vec3 out = (s > 0 ? 1 : -1) * tube.along(s), off = end.centre_mm - tube.axis(s);
+        if (std::abs(off.norm() - 2 * kRadius) > 1) continue;
+        if (off.normalized().dot(out) > std::cos(6 * kPi / 180)) continue;
+        ++leaning;
+        const std::string words = "the direction of the vessel at " + end.name + ", (";
+        EXPECT_TRUE(std::ranges::any_of(
+            told_, [&](const std::string& line) { return line.find(words) != std::string::npos; }))
+            << seed << end.name;
+      }
+  }
+  EXPECT_GE(leaning, 3);
 }
 
 TEST_F(SurfaceCuts, AnEndThatIsClippedKeepsItsName) {
