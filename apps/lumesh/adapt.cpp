@@ -43,7 +43,7 @@ void run(AdaptCommand command) {
   });
   warn_of_sealed_pieces(mesh, context);
   write_json(
-      command.json_path,
+      command.run, command.json_path,
       report::adapt_json(made, session.notes({{output_path, kMeshWords}, {metric_path, "its metric"}})));
   print_counts(command.run, report.by_thread);
   say(command.run, "{}", report::adapt_text(output_path, made, session.seconds()));

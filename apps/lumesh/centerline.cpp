@@ -49,7 +49,7 @@ void run(CenterlineCommand command) {
   MeshInfo info;
   info.provenance = provenance_of(command.run.making(), command.request.path, made.provenance);
   write_results(context, [&] { write_polylines(command.output_path, made.lines, info); });
-  write_json(command.json_path,
+  write_json(command.run, command.json_path,
              report::centerline_json(made, session.notes({{command.output_path, kCenterlineWords}})));
   say(command.run, "{}", report::centerline_text(command.output_path, made, session.seconds()));
 }

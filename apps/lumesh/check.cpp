@@ -35,7 +35,7 @@ void run(const CheckCommand& command) {
     for (std::string* text : {&finding.text, &finding.remedy})
       *text = with_flags(*text, *command.run.command);
   context.results_exist();
-  write_json(command.json_path, report::check_json(command.path, report));
+  write_json(command.run, command.json_path, report::check_json(command.path, report));
   say(command.run, "{}", report::check_text(command.path, report));
   if (!command.report_path.empty())
     write_text_file(command.report_path, report::check_page(command.path, report, context));

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 
 #include "lumesh/io/output_checks.hpp"
 #include "lumesh/io/text_file.hpp"
@@ -39,13 +38,6 @@ std::string given_options(const CLI::App& command) {
     }
   }
   return all;
-}
-
-/// Documents so far of the array that a JsonArray makes of them; none without one. It belongs to the standard
-/// output, of which there is one.
-std::optional<std::size_t>& json_elements() {
-  static std::optional<std::size_t> elements;
-  return elements;
 }
 
 /// Outputs that are wanted, and in files.
@@ -99,24 +91,21 @@ CLI::Option* add_json_option(CLI::App& command, std::string& path, RunOptions& o
       ->expected(0, 1);
 }
 
-JsonArray::JsonArray() {
-  json_elements() = 0;
-}
-
 JsonArray::~JsonArray() {
-  if (*json_elements() > 0) print_out("\n]\n");
-  json_elements().reset();
+  if (elements_ > 0) print_out("\n]\n");
 }
 
-void write_json(const std::string& path, const std::string& text) {
-  std::string whole = text.ends_with('\n') ? text : text + "\n";
+void JsonArray::print(std::string_view document) {
+  print_out("{}{}", elements_++ == 0 ? "[\n" : ",\n", document);
+}
+
+void write_json(const RunOptions& options, const std::string& path, std::string text) {
   if (path.empty()) return;
-  if (path != kStandardOutput) return write_text_file(path, whole);
-  if (json_elements()) {
-    whole.pop_back();
-    whole.insert(0, (*json_elements())++ == 0 ? "[\n" : ",\n");
-  }
-  print_out("{}", whole);
+  if (text.ends_with('\n')) text.pop_back();
+  if (path == kStandardOutput && options.json_array != nullptr) return options.json_array->print(text);
+  text += '\n';
+  if (path != kStandardOutput) return write_text_file(path, text);
+  print_out("{}", text);
 }
 
 CommandRun::CommandRun(const RunOptions& options)

@@ -51,6 +51,21 @@ inline constexpr const char* kReportHelp = "Write it as a page with pictures (.h
 /// In the place of a file: what is written goes to the standard output.
 inline constexpr const char* kStandardOutput = "-";
 
+/// Several documents on the standard output as one array, which ends with it.
+class JsonArray {
+ public:
+  JsonArray() = default;
+  ~JsonArray();
+  JsonArray(const JsonArray&) = delete;
+  JsonArray& operator=(const JsonArray&) = delete;
+
+  /// @param document  Without a line break at its end.
+  void print(std::string_view document);
+
+ private:
+  std::size_t elements_ = 0;
+};
+
 /// How a command runs and how much it says.
 struct RunOptions {
   int threads = 0;
@@ -59,6 +74,7 @@ struct RunOptions {
   double time_limit_s = std::numeric_limits<double>::infinity();
   CLI::App* command = nullptr;  ///< Whose names of options warnings use; finish_options() sets it.
   std::function<std::string(const std::string&)> with_keys = {};  ///< Names that come before these, if any.
+  JsonArray* json_array = nullptr;  ///< Array that takes JSON for the standard output; null: it stands alone.
 
   /// How the command makes a mesh: with the options given, but for those that do not change it.
   [[nodiscard]] Making making() const;
@@ -85,15 +101,7 @@ void finish_command(CLI::App& app, const std::shared_ptr<Command>& command, cons
 CLI::Option* add_json_option(CLI::App& command, std::string& path, RunOptions& options,
                              const std::string& holds);
 /// Writes what that asks for; nothing where it was not given.
-void write_json(const std::string& path, const std::string& text);
-/// While there is one, what write_json() writes to the standard output are the elements of one array.
-class JsonArray {
- public:
-  JsonArray();
-  ~JsonArray();
-  JsonArray(const JsonArray&) = delete;
-  JsonArray& operator=(const JsonArray&) = delete;
-};
+void write_json(const RunOptions& options, const std::string& path, std::string text);
 
 /// What a command runs in, made before anything else. Stops and the time limit end it (Program), warnings go
 /// to stderr; with -v so does each phase as it ends, with its time, else how far the command is.

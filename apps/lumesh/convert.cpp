@@ -28,7 +28,7 @@ void run(const ConvertCommand& command) {
   if (!request.only_labels.empty()) check_inputs_stay({output.mesh}, {request.from});
   CommandRun session(command.run);
   const MixedMesh mesh = convert_mesh(request, session.context);
-  write_json(command.json_path, report::conversion_json(mesh, session.notes(files_of(output))));
+  write_json(command.run, command.json_path, report::conversion_json(mesh, session.notes(files_of(output))));
   say(command.run, "{}", report::conversion_text(output, mesh));
 }
 

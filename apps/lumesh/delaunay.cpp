@@ -36,7 +36,8 @@ void run(DelaunayCommand command) {
   long_run.begin_writing({&output.mesh, &output.surface, &command.json_path}, is_complete);
   write_mesh(output, made.view(), context);
   const FirstMeshComparison compared = compare_with_input(made, context);
-  write_json(command.json_path, report::delaunay_json(made, compared, session.notes(files_of(output))));
+  write_json(command.run, command.json_path,
+             report::delaunay_json(made, compared, session.notes(files_of(output))));
   say(command.run, "{}",
       report::delaunay_text(output.mesh, made, compared.openings, context, session.seconds()));
   long_run.require_sound(output.mesh, made.made.mesh.view(made.faces), context, is_complete);

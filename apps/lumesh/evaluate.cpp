@@ -34,7 +34,7 @@ void run(EvaluateCommand& command) {
   const quality::Evaluation evaluation = evaluate_mesh(mesh, command.mesh_path, request, context);
   context.results_exist();
   say(command.run, "{}\n{}", command.mesh_path, report::summary_text(evaluation));
-  write_json(command.json_path, report::evaluation_json(evaluation));
+  write_json(command.run, command.json_path, report::evaluation_json(evaluation));
   if (!command.report_path.empty())
     write_text_file(command.report_path,
                     report::evaluation_page(command.mesh_path, mesh.view(), evaluation, context));

@@ -29,10 +29,11 @@ void run_frames(Command command) {
   const FrameParts first = command.frames();
   if (!first.selection->all_frames || is_mesh_file(first.image)) return run(command);
   const std::size_t count = count_frames(first.image);
-  const JsonArray array;
+  JsonArray array;
   const auto openings = std::make_shared<std::vector<Opening>>();
   for (std::size_t frame = 0; frame < count; ++frame) {
     Command one = command;
+    one.run.json_array = &array;
     const FrameParts parts = one.frames();
     parts.selection->all_frames = false;
     parts.selection->frame = static_cast<double>(frame);

@@ -35,7 +35,7 @@ void run(ImproveCommand command) {
   long_run.begin_writing({&command.output_path, &command.json_path}, is_complete);
   context.phase("write", [&] { write_mesh(command.output_path, made.view()); });
   warn_of_sealed_pieces(made.view(), context);
-  write_json(command.json_path,
+  write_json(command.run, command.json_path,
              report::improve_json(made, request.options, session.notes({{command.output_path, kMeshWords}})));
   print_counts(command.run, made.report.by_thread);
   say(command.run, "{}", report::improve_text(command.output_path, made, request, session.seconds()));

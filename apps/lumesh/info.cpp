@@ -23,7 +23,7 @@ void run(const InfoCommand& command) {
   const report::FileDescription description = report::describe_file(request, session.context);
   session.context.results_exist();
   const CLI::App& names = *command.run.command;
-  write_json(command.json_path, with_flags(description.json, names));
+  write_json(command.run, command.json_path, with_flags(description.json, names));
   say(command.run, "{}", with_flags(description.text, names));
 }
 

@@ -26,7 +26,8 @@ void run(const LatticeCommand& command) {
   LatticeMesh made = make_lattice_mesh(command.request, command.run.making(), context);
   write_mesh(output, made.made.mesh.view(), context);
   const FirstMeshComparison compared = compare_with_input(made, context);
-  write_json(command.json_path, report::lattice_json(made, compared, session.notes(files_of(output))));
+  write_json(command.run, command.json_path,
+             report::lattice_json(made, compared, session.notes(files_of(output))));
   say(command.run, "{}",
       report::lattice_text(output.mesh, made, compared.openings, context, session.seconds()));
   require_sound(output.mesh, made.made.mesh.view(), context);

@@ -44,7 +44,7 @@ void run(const LayersCommand& command) {
   say(command.run, "{}", report::layered_mesh_text(to, made));
   if (layers)
     write_json(
-        command.json_path,
+        command.run, command.json_path,
         report::layers_json(*layers, session.notes({{to, kMeshWords}, {command.report_path, "report"}})));
   if (!command.report_path.empty())
     write_text_file(command.report_path, report::layers_page(to, *layers, mesh.info, context));

@@ -43,8 +43,9 @@ void run(MergeCommand command) {
   if (!problems.empty()) context.warn(command.output_path + ": " + problems);
   write_results(context, [&] { write_mesh(command.output_path, mesh.view()); });
   warn_of_sealed_pieces(mesh.view(), context);
-  write_json(command.json_path, report::merge_json(merged.result.report, command.paths,
-                                                   session.notes({{command.output_path, kMeshWords}})));
+  write_json(command.run, command.json_path,
+             report::merge_json(merged.result.report, command.paths,
+                                session.notes({{command.output_path, kMeshWords}})));
   say(command.run, "{}", report::merge_text(command.output_path, merged.result, command.paths));
   require_sound(command.output_path, mesh.view(), context);
 }

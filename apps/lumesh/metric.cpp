@@ -29,7 +29,8 @@ void run(const MetricCommand& command) {
   const MeshWithMetric made = give_metric(request, command.run.making(), context);
   write_with_metric(output_path, made.mesh.view(), context);
   const char* const words = is_metric_file(output_path) ? "the metric" : "the mesh with its metric";
-  write_json(command.json_path, report::metric_json(made, session.notes({{output_path, words}})));
+  write_json(command.run, command.json_path,
+             report::metric_json(made, session.notes({{output_path, words}})));
   say(command.run, "{}: metric of {} vertices, complexity {:.4g} on this mesh\n", output_path,
       made.mesh.changing().vertex_count(), made.result.complexity);
 }

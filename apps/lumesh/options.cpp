@@ -70,7 +70,7 @@ void add_options_command(CLI::App& program) {
                   "name, aliases, unit, range, words, default and meaning of each, and all formats of files");
   sub->footer("Example: lumesh options");
   sub->callback([json_path, ran] {
-    if (!json_path->empty()) write_json(*json_path, sections_json().dump(2));
+    if (!json_path->empty()) write_json(*ran, *json_path, sections_json().dump(2));
     if (ran->quiet == 0) print_sections();
   });
 }

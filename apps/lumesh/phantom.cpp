@@ -27,7 +27,7 @@ void run(PhantomCommand command) {
   check_output_folders({request.image, parameters, request.centerline, request.velocity, command.json_path});
   request.spec.kind = phantom_kind_from_name(command.kind);
   const PhantomMade made = make_phantom(request, session.context);
-  write_json(command.json_path,
+  write_json(command.run, command.json_path,
              report::phantom_json(made, session.notes({{request.image, "the image"},
                                                        {parameters, "the parameters of the phantom"},
                                                        {request.centerline, kCenterlineWords},

@@ -21,7 +21,8 @@ void run(const RenameCommand& command) {
   check_inputs_stay({command.json_path}, {request.from});
   CommandRun session(command.run);
   const RenamedMesh made = rename_mesh(request, session.context);
-  write_json(command.json_path, report::renaming_json(made, session.notes(files_of({.mesh = request.to}))));
+  write_json(command.run, command.json_path,
+             report::renaming_json(made, session.notes(files_of({.mesh = request.to}))));
   say(command.run, "{}", report::renaming_text(request.to, made));
 }
 

@@ -30,7 +30,7 @@ void run(RepairCommand command) {
   provenance = provenance_of(command.run.making(), command.from, provenance);
   write_results(context, [&] { write_surface(command.to, outcome.surface.view()); });
   warn_of_names(command.to, outcome.surface.view(), context);
-  write_json(command.json_path,
+  write_json(command.run, command.json_path,
              report::repair_json(outcome, session.notes({{command.to, "the repaired surface"}})));
   say(command.run, "{}", report::repair_text(command.to, outcome));
 }

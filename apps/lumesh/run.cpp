@@ -42,7 +42,7 @@ void run(const RunCommand& command, const Case& c, const std::string& json_path)
   const LongRun long_run(options);
   const CaseResult result = run_case(c, session.context);
   say(command.run, "{}", result.text());
-  write_json(json_path, result.json());
+  write_json(command.run, json_path, result.json());
   result.require_good(long_run.reason(result.complete));
   long_run.check_complete(result.complete, result.folder);
 }
@@ -51,8 +51,10 @@ void run(const RunCommand& command) {
   check_files({command.json_path}, {command.case_path});
   const std::vector<Case> cases = cases_of_frames(case_of(command));
   if (cases.size() == 1) return run(command, cases.front(), command.json_path);
-  const JsonArray array;
-  for (std::size_t i = 0; i < cases.size(); ++i) run(command, cases[i], numbered(command.json_path, i));
+  JsonArray array;
+  RunCommand one = command;
+  one.run.json_array = &array;
+  for (std::size_t i = 0; i < cases.size(); ++i) run(one, cases[i], numbered(command.json_path, i));
 }
 }  // namespace
 

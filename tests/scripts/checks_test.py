@@ -147,6 +147,12 @@ class ChecksTest(unittest.TestCase):
         self.write("src/parallel/good.cpp", "std::thread t;\n")
         self.assertEqual(self.run_check("check_primitives.py")[0], 0)
 
+    def test_primitives_finds_variables_without_an_owner(self):
+        self.write("src/parallel/bad.cpp", "int& f() {\n  static std::optional<int> count;\n  return *count;\n}\n")
+        self.assert_finds("check_primitives.py", "src/parallel/bad.cpp:2: static std::optional<int> count;")
+        self.write("src/parallel/bad.cpp", "  static constexpr int kA = 1;\n  static const Table table = read();\n  static int f(int a);\n")
+        self.assertEqual(self.run_check("check_primitives.py")[0], 0)
+
     def test_references_finds_a_doi_that_is_missing(self):
         self.write("docs/references.bib", "@article{a,\n  author = {Known, Ann},\n  year = {1990},\n  doi = {10.1000/(SICI)1:2<3::A>4.0.CO;2-9}\n}\n")
         self.write("src/mesh/cited.cpp", "// Known 1990, doi:10.1000/(SICI)1:2<3::A>4.0.CO;2-9).\n")
