@@ -90,37 +90,66 @@ ImageReadOptions ImageSelection::read_options() const {
   return options;
 }
 
-void ImageSelection::describe(OptionList& list, bool has_probabilities) {
-  list.labels("labels", labels, "Labels of the image to take, by their numbers or names; none: all")
-      .excludes("threshold")
-      .excludes("below");
+namespace {
+
+void set_threshold(ImageSelection& selection, const std::vector<std::vector<double>>& rows) {
+  selection.threshold.reset();
+  selection.threshold_up_to.reset();
+  if (rows.empty()) return;
+  selection.threshold = rows[0][0];
+  if (rows[0].size() > 1) selection.threshold_up_to = rows[0][1];
+  if (selection.threshold_up_to && *selection.threshold_up_to < *selection.threshold)
+    throw Error(ErrorKind::kUsage, "must have the lower value first");
+}
+
+/// Options of images that hold values rather than labels.
+void describe_values(OptionList& list, ImageSelection& selection) {
   list.rows("threshold",
-            {2, "150,400", true, [this] { return threshold_rows(threshold, threshold_up_to); },
-             [this](const auto& rows) {
-               threshold.reset();
-               threshold_up_to.reset();
-               if (rows.empty()) return;
-               threshold = rows[0][0];
-               if (rows[0].size() > 1) threshold_up_to = rows[0][1];
-               if (threshold_up_to && *threshold_up_to < *threshold)
-                 throw Error(ErrorKind::kUsage, "must have the lower value first");
-             },
-             1, "LOW[,HIGH]"},
+            {2, "150,400", true,
+             [&selection] { return threshold_rows(selection.threshold, selection.threshold_up_to); },
+             [&selection](const auto& rows) { set_threshold(selection, rows); }, 1, "LOW[,HIGH]"},
             "Voxels at or above, or from one value to another, become label 1, the rest background; their "
             "values place the boundary between voxels")
       .in("image value")
       .excludes("below");
-  list.number("below", below, any_number(), "The same for voxels at or below, where the object is dark")
+  list.number("below", selection.below, any_number(),
+              "The same for voxels at or below, where the object is dark")
       .in("image value");
   using Side = std::optional<LevelSetSide>;
   list.choice(
-          "level_set", level_set,
+          "level_set", selection.level_set,
           {{"auto", Side()}, {"negative", LevelSetSide::kNegative}, {"positive", LevelSetSide::kPositive}},
           "Level sets and signed distances: the sign inside of the object, label 1. auto: values that "
           "look like distances are taken for such, the rarer sign for the inside, with a warning")
       .excludes("labels")
       .excludes("threshold")
       .excludes("below");
+}
+
+/// Options that change voxels before anything is made of them.
+void describe_edits(OptionList& list, ImageSelection& selection) {
+  list.flag("largest_component", selection.largest_component,
+            "Only the largest connected piece of all labels together");
+  list.number("drop_below", selection.drop_below, at_least(1),
+              "Pieces of all labels together that have fewer voxels go")
+      .in("voxels")
+      .zero("none");
+  list.flag("fill_cavities", selection.fill_cavities, "Background that is enclosed gets the label around it");
+  list.choice(
+      "touching", selection.touching,
+      {{"keep", TouchChoice::kKeep}, {"separate", TouchChoice::kSeparate}, {"join", TouchChoice::kJoin}},
+      "Vessels side by side that touch, or a voxel apart: stay so, are separated by a layer of voxels or "
+      "two, "
+      "or joined by filling the cleft; lumesh check lists them");
+}
+
+}  // namespace
+
+void ImageSelection::describe(OptionList& list, bool has_probabilities) {
+  list.labels("labels", labels, "Labels of the image to take, by their numbers or names; none: all")
+      .excludes("threshold")
+      .excludes("below");
+  describe_values(list, *this);
   if (has_probabilities)
     list.path("probabilities", probabilities,
               "Image of the object's probability, 0 to 1, on the label image's grid, which places the "
@@ -139,19 +168,7 @@ void ImageSelection::describe(OptionList& list, bool has_probabilities) {
       .excludes("all_frames");
   list.flag("all_frames", all_frames,
             "Every volume in its turn, each with files of its own: NAME_000, NAME_001, …");
-  list.flag("largest_component", largest_component,
-            "Only the largest connected piece of all labels together");
-  list.number("drop_below", drop_below, at_least(1),
-              "Pieces of all labels together that have fewer voxels go")
-      .in("voxels")
-      .zero("none");
-  list.flag("fill_cavities", fill_cavities, "Background that is enclosed gets the label around it");
-  list.choice(
-      "touching", touching,
-      {{"keep", TouchChoice::kKeep}, {"separate", TouchChoice::kSeparate}, {"join", TouchChoice::kJoin}},
-      "Vessels side by side that touch, or a voxel apart: stay so, are separated by a layer of voxels or "
-      "two, "
-      "or joined by filling the cleft; lumesh check lists them");
+  describe_edits(list, *this);
 }
 
 void describe_unit(OptionList& list, std::string& unit) {
