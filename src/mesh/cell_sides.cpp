@@ -9,15 +9,6 @@
 #include "lumesh/mesh/cell_faces.hpp"
 
 namespace lumesh {
-namespace {
-
-template <std::size_t N>
-FaceCorners corners_of(const Cell<N>& cell, std::size_t face) {
-  const LocalFace& local = faces_of_cell(N)[face];
-  return {cell[local[0]], cell[local[1]], cell[local[2]], cell[local[3]]};
-}
-
-}  // namespace
 
 Cell<4> key_of(const FaceCorners& face) {
   Cell<4> key = face;

@@ -46,7 +46,7 @@ void write_mesh(const std::filesystem::path& path, const MeshView& mesh,
 
 /// Writes the outer boundary alone, with the points it uses, in a format for surfaces: the faces as in
 /// `mesh`, without those between two of its cells, such as interfaces of labels; see extract_boundary() for
-/// meshes without any. Errors as write_mesh(). Memory: also about 100 bytes per cell.
+/// meshes without any. Errors as write_mesh(). Memory: also 8 bytes per point and 28 per face.
 void write_surface(const std::filesystem::path& path, const MeshView& mesh,
                    const MeshWriteOptions& options = {});
 

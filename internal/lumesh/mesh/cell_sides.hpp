@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lumesh/mesh/all_cells.hpp"
+#include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/parallel/key_table.hpp"
 
 namespace lumesh {
@@ -22,6 +23,12 @@ using FaceCorners = Cell<4>;
 }
 [[nodiscard]] inline FaceCorners face_of(const Cell<4>& quadrilateral) {
   return quadrilateral;
+}
+/// Corners of a face of a cell, by the face's number in faces_of_cell(), as seen from outside.
+template <std::size_t N>
+[[nodiscard]] FaceCorners corners_of(const Cell<N>& cell, std::size_t face) {
+  const LocalFace& local = faces_of_cell(N)[face];
+  return {cell[local[0]], cell[local[1]], cell[local[2]], cell[local[3]]};
 }
 /// Adds a face to the triangles or quadrilaterals of a mesh.
 inline void append_face(const FaceCorners& face, std::int32_t patch, MixedMesh& mesh) {
