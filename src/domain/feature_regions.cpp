@@ -16,6 +16,20 @@ namespace {
 
 constexpr std::uint32_t kNoRegion = ~0u;
 
+/// The regions in this order; those that are not in it have no triangle.
+FeatureRegions renumbered(FeatureRegions found, std::span<const std::size_t> order) {
+  std::vector<std::uint32_t> number(found.count());
+  FeatureRegions result;
+  for (const std::size_t r : order) {
+    number[r] = result.count();
+    result.patches.push_back(found.patches[r]);
+    result.areas_mm2.push_back(found.areas_mm2[r]);
+  }
+  result.of_triangle = std::move(found.of_triangle);
+  for (std::uint32_t& r : result.of_triangle) r = number[r];
+  return result;
+}
+
 /// Numbers the regions by falling area, and places where areas are alike.
 FeatureRegions sorted_by_area(const ClosedSurface& surface, FeatureRegions found) {
   std::vector<AreaSum> sums(found.count());
@@ -23,16 +37,7 @@ FeatureRegions sorted_by_area(const ClosedSurface& surface, FeatureRegions found
     sums[found.of_triangle[t]].add(surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2));
   std::vector<AreaAtPlace> items;
   for (const AreaSum& sum : sums) items.push_back(area_at_place(sum));
-  std::vector<std::uint32_t> number(found.count());
-  FeatureRegions sorted;
-  for (const std::size_t r : order_by_area(items)) {
-    number[r] = sorted.count();
-    sorted.patches.push_back(found.patches[r]);
-    sorted.areas_mm2.push_back(found.areas_mm2[r]);
-  }
-  sorted.of_triangle = std::move(found.of_triangle);
-  for (std::uint32_t& r : sorted.of_triangle) r = number[r];
-  return sorted;
+  return renumbered(std::move(found), order_by_area(items));
 }
 
 /// The neighbour with which a region has the longest border: of the same patch, or of any if there is none
@@ -91,19 +96,12 @@ void join_specks(const ClosedSurface& surface, FeatureRegions& found) {
 
 /// Without those that have joined others.
 FeatureRegions without_empty(FeatureRegions found) {
-  std::vector<std::uint32_t> number(found.count());
-  FeatureRegions kept;
   std::vector<std::uint8_t> is_used(found.count(), 0);
   for (const std::uint32_t r : found.of_triangle) is_used[r] = 1;
-  for (std::uint32_t r = 0; r < number.size(); ++r) {
-    if (is_used[r] == 0) continue;
-    number[r] = kept.count();
-    kept.patches.push_back(found.patches[r]);
-    kept.areas_mm2.push_back(found.areas_mm2[r]);
-  }
-  kept.of_triangle = std::move(found.of_triangle);
-  for (std::uint32_t& r : kept.of_triangle) r = number[r];
-  return kept;
+  std::vector<std::size_t> used;
+  for (std::uint32_t r = 0; r < found.count(); ++r)
+    if (is_used[r] != 0) used.push_back(r);
+  return renumbered(std::move(found), used);
 }
 
 }  // namespace
