@@ -3,11 +3,15 @@
 
 #include <filesystem>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "case_sections.hpp"
 #include "lumesh/core/error.hpp"
+#include "lumesh/core/option.hpp"
 #include "lumesh/io/file_formats.hpp"
 #include "lumesh/io/mesh_file.hpp"
+#include "lumesh/metric/sources.hpp"
 #include "outputs.hpp"
 
 namespace lumesh::pipeline {
@@ -132,6 +136,23 @@ void check_given(const Case& c, const std::set<std::string>& given) {
   }
 }
 
+template <class Source>
+std::string option_of_source() {
+  Source source;
+  return options_of(source).all().front().name;
+}
+
+/// Sources that a case may have, for messages: "analytic, points or curvature".
+std::string sources_of_cases() {
+  std::vector<std::string> names = metric::MetricRequest::source_options();
+  for (const std::string& refused :
+       {option_of_source<metric::TensorSource>(), option_of_source<metric::HessianSource>()})
+    std::erase(names, refused);
+  const std::string last = names.back();
+  names.pop_back();
+  return fmt::format("{} or {}", fmt::join(names, ", "), last);
+}
+
 void check_metric(const Case& c) {
   const metric::MetricRequest& m = c.metric;
   if (m.source<metric::VelocitySource>().velocity == "phantom" && c.input.phantom.empty())
@@ -141,7 +162,7 @@ void check_metric(const Case& c) {
         "[metric] metric and hessian have a value for each vertex of a mesh that is there; use `lumesh "
         "metric` and `lumesh adapt` on that mesh");
   if (m.limits.complexity > 0 && !m.has_source())
-    throw_bad_case("[metric] complexity has nothing to scale; give points, velocity, curvature or analytic");
+    throw_bad_case("[metric] complexity has nothing to scale; give " + sources_of_cases());
 }
 
 void check_unused(const Case& c) {
@@ -149,9 +170,8 @@ void check_unused(const Case& c) {
   for (const char* section : {"metric", "adapt"})
     if (has_keys(c, section))
       throw_bad_case(
-          fmt::format("[{}] changes nothing without sizes; give points, velocity, curvature or analytic in "
-                      "[metric], or leave the section out",
-                      section));
+          fmt::format("[{}] changes nothing without sizes; give {} in [metric], or leave the section out",
+                      section, sources_of_cases()));
 }
 
 /// Only tetrahedra are changed.

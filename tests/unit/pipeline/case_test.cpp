@@ -6,6 +6,7 @@
 #include <random>
 
 #include "lumesh/core/error.hpp"
+#include "lumesh/metric/sources.hpp"
 #include "lumesh/pipeline/pipeline.hpp"
 
 namespace lumesh {
@@ -157,6 +158,19 @@ TEST_F(CaseFile, RefusesWhatContradictsItself) {
 }
 
 /// Whatever stands in a file: a case, or one line.
+TEST_F(CaseFile, NamesEverySourceOfSizesWhereOneIsMissing) {
+  const std::string head = "[input]\nphantom = \"torus\"\n";
+  std::string sources;  // Those that have no value for each vertex of another mesh.
+  for (const std::string& name : metric::MetricRequest::source_options())
+    if (name != "metric" && name != "hessian") sources += (sources.empty() ? "" : ", ") + name;
+  sources.replace(sources.rfind(", "), 2, " or ");
+  EXPECT_EQ(refusal(head + "[metric]\ncomplexity = 100\n"),
+            "a.toml: [metric] complexity has nothing to scale; give " + sources);
+  EXPECT_EQ(refusal(head + "[adapt]\nboundary = \"frozen\"\n"),
+            "a.toml: [adapt] changes nothing without sizes; give " + sources +
+                " in [metric], or leave the section out");
+}
+
 TEST_F(CaseFile, RandomChangesAreReadOrRefused) {
   const std::string good =
       "mesher = \"lattice\"\n[input]\nphantom = \"torus\" # a ring\n[lattice]\nspacing = 2.5\n[layers]\n"
