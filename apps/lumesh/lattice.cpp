@@ -4,6 +4,7 @@
 #include "common.hpp"
 #include "domain_input.hpp"
 #include "frames.hpp"
+#include "long_run.hpp"
 #include "lumesh/delaunay/sizing.hpp"
 #include "lumesh/report/stage_json.hpp"
 #include "lumesh/report/stage_text.hpp"
@@ -15,22 +16,25 @@ namespace {
 
 struct LatticeCommand : FirstMeshCommand<LatticeRequest> {};
 
-void run(const LatticeCommand& command) {
+void run(LatticeCommand command) {
   CommandRun session(command.run);
   Context& context = session.context;
+  LongRun long_run(command.run);
   const auto& [input, openings, options, cells_per_diameter] = command.request;
-  const MeshOutput& output = command.output;
+  MeshOutput& output = command.output;
   input.cuts.validate();
   check_format(output.surface, FileUse::kWriteSurface);
   check_files({output.mesh, output.surface, command.json_path}, {input.path}, input.selection);
   LatticeMesh made = make_lattice_mesh(command.request, command.run.making(), context);
+  const bool is_complete = made.made.report.complete;
+  long_run.begin_writing({&output.mesh, &output.surface, &command.json_path}, is_complete);
   write_mesh(output, made.made.mesh.view(), context);
   const FirstMeshComparison compared = compare_with_input(made, context);
   write_json(command.run, command.json_path,
              report::lattice_json(made, compared, session.notes(files_of(output))));
   say(command.run, "{}",
       report::lattice_text(output.mesh, made, compared.openings, context, session.seconds()));
-  require_sound(output.mesh, made.made.mesh.view(), context);
+  long_run.require_sound(output.mesh, made.made.mesh.view(), context, is_complete);
   openings.require(output.mesh, compared.openings, made.input.without_name);
 }
 

@@ -1,5 +1,7 @@
 #include "lumesh/domain/opening_sizes.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,7 +36,8 @@ double OpeningSize::distance_mm(const Vec3& place) const {
 OpeningSizes::OpeningSizes(const Domain& domain)
     : domain_(&domain),
       openings_(find_openings(domain)),
-      edges_mm_(openings_.size(), std::numeric_limits<double>::infinity()) {}
+      edges_mm_(openings_.size(), std::numeric_limits<double>::infinity()),
+      halvings_(openings_.size(), 0) {}
 
 OpeningSizes::Faults OpeningSizes::faults_in(const MeshView& mesh) const {
   const OpeningsCompared compared = compare_openings(mesh, openings_);
@@ -54,20 +57,25 @@ OpeningSizes::Faults OpeningSizes::faults_in(const MeshView& mesh) const {
 bool OpeningSizes::refine(const Faults& faults) {
   constexpr double kMinOfResolution = 0.35;
   constexpr double kEdgesAround = 8;
+  constexpr double kMinFaces = 2, kShorter = 0.8;
   const double min_mm = kMinOfResolution * domain_->resolution_mm();
   bool is_finer = false;
   for (std::size_t i = 0; i < faults.which.size(); ++i) {
     const Opening& opening = openings_[faults.which[i]];
-    double& edge_mm = edges_mm_[faults.which[i]];
+    if (opening.area_mm2 < kMinFaces * voxel_face_mm2(*domain_, opening.normal)) continue;
     const double made_mm =
         faults.edges_mm[i] > 0 ? faults.edges_mm[i] : opening.perimeter_mm() / kEdgesAround;
-    const double next_mm = std::max(0.5 * std::min(made_mm, edge_mm), min_mm);
-    is_finer |= next_mm < edge_mm;
-    edge_mm = std::min(edge_mm, next_mm);
+    double& edge_mm = edges_mm_[faults.which[i]];
+    const double before_mm = std::isfinite(edge_mm) ? edge_mm : made_mm;
+    const double next_mm = std::max(0.5 * before_mm, min_mm);
+    if (next_mm > kShorter * before_mm) continue;
+    edge_mm = next_mm;
+    ++halvings_[faults.which[i]];
+    is_finer = true;
   }
   for (const WallInPlane& wall : faults.walls) {
     const OpeningSize size{wall.centre_mm, wall.normal, circle_radius(wall.area_mm2),
-                           std::max(0.5 * std::sqrt(wall.area_mm2), min_mm)};
+                           std::max(0.5 * std::sqrt(wall.area_mm2), min_mm), 1};
     if (std::ranges::any_of(at_walls_, [&](const OpeningSize& other) {
           return other.edge_mm <= size.edge_mm && other.distance_mm(size.centre_mm) < other.edge_mm;
         }))
@@ -78,16 +86,24 @@ bool OpeningSizes::refine(const Faults& faults) {
   sizes_ = at_walls_;
   for (std::size_t o = 0; o < openings_.size(); ++o)
     if (std::isfinite(edges_mm_[o]))
-      sizes_.push_back({openings_[o].centre_mm, openings_[o].normal, reach_mm(openings_[o]), edges_mm_[o]});
+      sizes_.push_back(
+          {openings_[o].centre_mm, openings_[o].normal, reach_mm(openings_[o]), edges_mm_[o], halvings_[o]});
   return is_finer;
 }
 
-std::string OpeningSizes::names() const {
-  std::string names;
+std::string OpeningSizes::text() const {
+  double shortest_mm = std::numeric_limits<double>::infinity();
+  for (const OpeningSize& size : sizes_) shortest_mm = std::min(shortest_mm, size.edge_mm);
+  std::vector<std::string> names;
   for (std::size_t o = 0; o < openings_.size(); ++o)
-    if (std::isfinite(edges_mm_[o])) names += (names.empty() ? "" : ", ") + openings_[o].name;
-  if (!at_walls_.empty()) names += std::string(names.empty() ? "" : ", ") + "walls in planes of openings";
-  return names;
+    if (std::isfinite(edges_mm_[o])) names.push_back(openings_[o].name);
+  if (!at_walls_.empty()) names.emplace_back("walls in planes of openings");
+  return fmt::format("{:.2g} mm and more at {}", shortest_mm, fmt::join(names, ", "));
+}
+
+std::size_t max_cells_made_again(std::size_t cells) {
+  constexpr std::size_t kTimes = 4, kSmall = 50'000;
+  return std::max(kTimes * cells, kSmall);
 }
 
 }  // namespace lumesh

@@ -140,11 +140,18 @@ LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, c
   options.validate();
   options.require_labels_of(image);
   const std::vector<double> voxels = context.phase("count", [&] { return object_voxels(image, domain); });
-  LatticeResult result = best_at_openings(
+  std::size_t max_cells = 0;
+  auto [result, is_complete] = best_at_openings(
       domain, context,
-      [&](const OpeningSizes& sizes) { return mesh_once(image, domain, options, sizes, voxels, context); },
+      [&](const OpeningSizes& sizes) {
+        LatticeResult made = mesh_once(image, domain, options, sizes, voxels, context);
+        if (sizes.sizes().empty()) max_cells = max_cells_made_again(made.mesh.tetrahedra.size());
+        return made;
+      },
       [](const OpeningSizes& sizes, const LatticeResult& made) { return sizes.faults_in(made.mesh.view()); },
+      [&](const LatticeResult& made) { return made.mesh.tetrahedra.size() <= max_cells; },
       [](const LatticeResult&) { return true; });
+  result.report.complete = is_complete;
   if (options.mixed)
     context.phase("hexahedra", [&] { merge_hexahedra(result.mesh, domain.frame().direction); });
   return result;

@@ -120,17 +120,17 @@ void SizeGrid::note_opening(const Opening& opening) {
   for_each_place(box.low, box.high, [&](const Index3& cell) { note_level(cell, level, 0); });
 }
 
+/// A level more for each halving than a cell wants already.
 void SizeGrid::note_size(const OpeningSize& size) {
   constexpr double kReach = 2;  // Edges, from the disc.
-  constexpr double kSpacingOfRim =
-      1.45;  // Halved edges of a rim, 0.7 to 0.9 spacings long, are a level more.
-  const int level = level_for(kSpacingOfRim * size.edge_mm);
   const double half_cell_mm = 0.5 * kCell * image_.frame().spacing_mm.norm();
   const double reach_mm = kReach * size.edge_mm + half_cell_mm;
   const IndexBox box = cells_around(size.centre_mm, size.radius_mm + reach_mm);
   for_each_place(box.low, box.high, [&](const Index3& cell) {
     const Vec3 middle = kCell * cell.cast<double>() + Vec3::Constant(0.5 * (kCell - 1));
-    if (size.distance_mm(image_.frame().to_physical(middle)) <= reach_mm) note_level(cell, level, kFirm);
+    if (size.distance_mm(image_.frame().to_physical(middle)) > reach_mm) return;
+    const int level = (wanted_[cell_number(cell)] & ~kFirm) - 1;
+    note_level(cell, std::min(level + size.halvings, max_level_), kFirm);
   });
 }
 

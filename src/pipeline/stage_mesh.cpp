@@ -22,6 +22,7 @@ void mesh_by_lattice(CaseState& state, report::StageReport& stage) {
       "A first mesh of good shapes on a lattice that is fitted to the image: what the metric is given on.";
   LatticeResult result = mesh_lattice(*state.given.image, *state.given.domain_of_image(),
                                       state.c.lattice_options(), state.context);
+  state.is_complete = state.is_complete && result.report.complete;
   add_warnings(remarks_on(result, state.given), stage);
   if (state.c.makes_mixed_mesh())
     state.mixed = std::move(result.mesh);

@@ -155,27 +155,48 @@ DelaunayMesh mesh_once(const Domain& domain, const DelaunayRequest& request, con
   return made;
 }
 
+/// Share of the tetrahedra that improvement could not bring within the targets.
+double bad_share(const DelaunayMesh& made) {
+  return made.improved ? static_cast<double>(made.improved->after.tets_outside) / made.mesh.tet_count() : 0;
+}
+
+/// What a mesh that is made again may have: not many more cells than the first one, and about as few bad
+/// ones.
+struct LimitsOfRemaking {
+  static constexpr double kBad = 0.01;
+  std::size_t max_cells = 0;
+  double max_bad_share = kBad;
+
+  void note_first(const DelaunayMesh& first) {
+    max_cells = max_cells_made_again(first.mesh.tet_count());
+    max_bad_share = std::max(kBad, bad_share(first));
+  }
+  [[nodiscard]] bool hold(const DelaunayMesh& made) const {
+    return made.mesh.tet_count() <= max_cells && bad_share(made) <= max_bad_share;
+  }
+};
+
 }  // namespace
 
 DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& request, const Sizing* sizing,
                                 Context& context) {
-  bool was_stopped = false;
-  DelaunayMesh best = best_at_openings(
+  LimitsOfRemaking limits;
+  auto [best, is_complete] = best_at_openings(
       domain, context,
       [&](const OpeningSizes& at_openings) {
-        if (at_openings.sizes().empty()) return mesh_once(domain, request, sizing, context);
         const SizingAtOpenings finer(at_openings.sizes(), sizing);
-        return mesh_once(domain, request, &finer, context);
+        const bool is_first = at_openings.sizes().empty();
+        DelaunayMesh made = mesh_once(domain, request, is_first ? sizing : &finer, context);
+        if (is_first) limits.note_first(made);
+        return made;
       },
       [](const OpeningSizes& sizes, const DelaunayMesh& made) {
         return sizes.faults_in(made.mesh.view(made.mesh.boundary_faces()));
       },
-      [&](const DelaunayMesh& made) {
-        was_stopped |= !made.is_complete;
-        return made.is_complete;
-      });
-  best.is_complete = best.is_complete && !was_stopped;
-  return best;
+      [&](const DelaunayMesh& made) { return limits.hold(made); },
+      [](const DelaunayMesh& made) { return made.is_complete; });
+  best.is_complete = is_complete;
+  return std::move(best);
 }
 
 }  // namespace lumesh

@@ -165,7 +165,7 @@ inline constexpr double kWrongOpeningPercent = 5;
 [[nodiscard]] std::vector<std::string> faults_of(const OpeningsCompared& compared);
 
 /// Those, and a line for each opening that is less good than it should be: an area that is off by more than
-/// 2 % (5 % below two voxels in radius), a vertex off the plane by more than a thousandth of a voxel, or by a
+/// 2 % (5 % below two voxels in radius), a vertex off the plane by more than a hundredth of a voxel, or by a
 /// millionth of the radius more than the surface's own end is, fewer than eight edges around, more or fewer
 /// rims than the image's opening has.
 [[nodiscard]] std::vector<std::string> doubts_about(const OpeningsCompared& compared);

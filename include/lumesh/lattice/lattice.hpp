@@ -47,6 +47,7 @@ struct LatticeReport {
   int levels_given_up = 0;         ///< Refinement levels of thin parts given up to stay near max_tetrahedra.
   std::vector<Label> lost_labels;  ///< Labels without a single tetrahedron.
   std::vector<std::string> notes;  ///< Warnings, such as labels that were lost, with their voxel counts.
+  bool complete = true;  ///< False if it was told to stop before it was made again for its openings.
 };
 
 struct LatticeResult {

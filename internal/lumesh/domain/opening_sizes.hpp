@@ -2,6 +2,7 @@
 /// @file Shorter edges at openings that a mesh does not have as its domain has them.
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/openings.hpp"
 #include "lumesh/domain/walls_in_planes.hpp"
+#include "lumesh/parallel/cancellation.hpp"
 
 namespace lumesh {
 
@@ -18,6 +20,7 @@ struct OpeningSize {
   Vec3 centre_mm, normal;
   double radius_mm;
   double edge_mm;
+  int halvings;  ///< Of edges that there were at first.
 
   /// Distance of a place from the disc.
   [[nodiscard]] double distance_mm(const Vec3& place) const;
@@ -43,40 +46,69 @@ class OpeningSizes {
   };
   [[nodiscard]] Faults faults_in(const MeshView& mesh) const;
 
-  /// Halves the edges at faulty openings. False if that is in vain: they are much shorter than voxels.
+  /// Halves the edges at faulty openings. False if that is in vain: they are much shorter than voxels, or the
+  /// openings of a voxel or two.
   bool refine(const Faults& faults);
 
-  /// The names of openings and walls with sizes, joined by commas.
-  [[nodiscard]] std::string names() const;
+  /// The shortest edges of sizes(), and the names of openings and walls that have them.
+  [[nodiscard]] std::string text() const;
 
  private:
   const Domain* domain_;
   std::vector<Opening> openings_;
   std::vector<double> edges_mm_;  // Of each opening; infinity: any.
+  std::vector<int> halvings_;     // Of each opening.
   std::vector<OpeningSize> at_walls_;
   std::vector<OpeningSize> sizes_;
 };
 
+/// What best_at_openings() makes.
+template <class Mesh>
+struct BestAtOpenings {
+  Mesh mesh;
+  bool is_complete = true;  ///< False if it was told to stop, and other meshes were not tried for that.
+};
+
+/// Most cells of a mesh that is made again, where the first one has so many.
+[[nodiscard]] std::size_t max_cells_made_again(std::size_t cells);
+
 /// The mesh that has the openings of its domain best of up to three. The second and third have shorter edges
-/// at openings that the one before does not have as they are; with one that has all as they are it ends.
+/// at openings that the one before does not have as they are; with one that has all as they are it ends. A
+/// stop during these attempts ends them, and keeps the best mesh so far (Context::results_exist()).
 /// @param make  Makes a mesh: const OpeningSizes& -> Mesh.
 /// @param faults_in  Calls OpeningSizes::faults_in() for one: const OpeningSizes&, const Mesh& -> Faults.
-/// @param is_complete  False for one whose making was told to stop, which ends the attempts.
-template <class Make, class FaultsIn, class IsComplete>
+/// @param may_replace  Whether a mesh is otherwise about as good as the first one: const Mesh& -> bool.
+/// @param is_complete  False for one whose making was told to stop.
+template <class Make, class FaultsIn, class MayReplace, class IsComplete>
 auto best_at_openings(const Domain& domain, Context& context, const Make& make, const FaultsIn& faults_in,
-                      const IsComplete& is_complete) {
+                      const MayReplace& may_replace, const IsComplete& is_complete) {
   constexpr int kAttempts = 3;
   OpeningSizes sizes(domain);
-  auto best = make(std::as_const(sizes));
-  if (!sizes.has_planes() || !is_complete(best)) return best;
-  OpeningSizes::Faults best_faults = faults_in(sizes, best), faults = best_faults;
+  BestAtOpenings best{make(std::as_const(sizes))};
+  best.is_complete = is_complete(best.mesh);
+  if (!sizes.has_planes() || !best.is_complete) return best;
+  OpeningSizes::Faults best_faults = faults_in(sizes, best.mesh), faults = best_faults;
+  std::optional<decltype(best.mesh)> next;
   for (int attempt = 1; attempt < kAttempts && faults.weight > 0 && sizes.refine(faults); ++attempt) {
-    context.info("meshed again with shorter edges at " + sizes.names());
-    auto next = make(std::as_const(sizes));
-    if (!is_complete(next)) break;
-    faults = faults_in(sizes, next);
-    if (faults.weight >= best_faults.weight) continue;
-    best = std::move(next);
+    context.info("openings of the mesh are not those of the input: made again with edges of " + sizes.text());
+    context.results_exist();
+    try {
+      parallel::run_cancellable(context.stop_token(), [&] { next.emplace(make(std::as_const(sizes))); });
+    } catch (const parallel::Cancelled&) {
+      best.is_complete = false;
+      break;
+    }
+    best.is_complete = is_complete(*next);
+    if (!best.is_complete) break;
+    faults = faults_in(sizes, *next);
+    const bool is_better = faults.weight < best_faults.weight;
+    if (!is_better || !may_replace(*next)) {
+      context.info(is_better ? "its cells are too many, or too bad: the mesh before is kept"
+                             : "its openings are no better: the mesh before is kept");
+      if (is_better) break;
+      continue;
+    }
+    best.mesh = std::move(*next);
     best_faults = faults;
   }
   return best;
