@@ -160,8 +160,7 @@ double bad_share(const DelaunayMesh& made) {
   return made.improved ? static_cast<double>(made.improved->after.tets_outside) / made.mesh.tet_count() : 0;
 }
 
-/// What a mesh that is made again may have: not many more cells than the first one, and about as few bad
-/// ones.
+/// Limits of a mesh that is made again: not many more cells than the first one, and about as few bad ones.
 struct LimitsOfRemaking {
   static constexpr double kBad = 0.01;
   std::size_t max_cells = 0;

@@ -20,7 +20,7 @@ struct OpeningSize {
   Vec3 centre_mm, normal;
   double radius_mm;
   double edge_mm;
-  int halvings;  ///< Of edges that there were at first.
+  int halvings;  ///< Number of times that edges are halved from those of the first mesh.
 
   /// Distance of a place from the disc.
   [[nodiscard]] double distance_mm(const Vec3& place) const;
@@ -39,7 +39,7 @@ class OpeningSizes {
 
   /// Openings that a mesh does not have as its domain has them.
   struct Faults {
-    std::size_t weight = 0;          ///< Of all; openings that are wrong, and walls, weigh twice.
+    std::size_t weight = 0;          ///< Sum of the faults; openings that are wrong, and walls, weigh twice.
     std::vector<std::size_t> which;  ///< Numbers of openings.
     std::vector<double> edges_mm;    ///< The mean edges of their rims; 0 without one.
     std::vector<WallInPlane> walls = {};
@@ -62,7 +62,7 @@ class OpeningSizes {
   std::vector<OpeningSize> sizes_;
 };
 
-/// What best_at_openings() makes.
+/// Result of best_at_openings().
 template <class Mesh>
 struct BestAtOpenings {
   Mesh mesh;
