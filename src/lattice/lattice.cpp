@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "hexahedra.hpp"
 #include "labelled_lattice.hpp"
@@ -141,7 +142,7 @@ LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, c
   options.require_labels_of(image);
   const std::vector<double> voxels = context.phase("count", [&] { return object_voxels(image, domain); });
   std::size_t max_cells = 0;
-  auto [result, is_complete] = best_at_openings(
+  auto best = best_at_openings(
       domain, context,
       [&](const OpeningSizes& sizes) {
         LatticeResult made = mesh_once(image, domain, options, sizes, voxels, context);
@@ -151,7 +152,8 @@ LatticeResult mesh_lattice(const LabelImage& image, const ImageDomain& domain, c
       [](const OpeningSizes& sizes, const LatticeResult& made) { return sizes.faults_in(made.mesh.view()); },
       [&](const LatticeResult& made) { return made.mesh.tetrahedra.size() <= max_cells; },
       [](const LatticeResult&) { return true; });
-  result.report.complete = is_complete;
+  LatticeResult result = std::move(best.mesh);
+  result.report.complete = best.is_complete;
   if (options.mixed)
     context.phase("hexahedra", [&] { merge_hexahedra(result.mesh, domain.frame().direction); });
   return result;

@@ -180,7 +180,7 @@ struct LimitsOfRemaking {
 DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& request, const Sizing* sizing,
                                 Context& context) {
   LimitsOfRemaking limits;
-  auto [best, is_complete] = best_at_openings(
+  auto best = best_at_openings(
       domain, context,
       [&](const OpeningSizes& at_openings) {
         const SizingAtOpenings finer(at_openings.sizes(), sizing);
@@ -194,8 +194,8 @@ DelaunayMesh make_delaunay_mesh(const Domain& domain, const DelaunayRequest& req
       },
       [&](const DelaunayMesh& made) { return limits.hold(made); },
       [](const DelaunayMesh& made) { return made.is_complete; });
-  best.is_complete = is_complete;
-  return std::move(best);
+  best.mesh.is_complete = best.is_complete;
+  return std::move(best.mesh);
 }
 
 }  // namespace lumesh

@@ -84,7 +84,7 @@ auto best_at_openings(const Domain& domain, Context& context, const Make& make, 
                       const MayReplace& may_replace, const IsComplete& is_complete) {
   constexpr int kAttempts = 3;
   OpeningSizes sizes(domain);
-  BestAtOpenings best{make(std::as_const(sizes))};
+  BestAtOpenings<decltype(make(std::as_const(sizes)))> best{make(std::as_const(sizes))};
   best.is_complete = is_complete(best.mesh);
   if (!sizes.has_planes() || !best.is_complete) return best;
   OpeningSizes::Faults best_faults = faults_in(sizes, best.mesh), faults = best_faults;
