@@ -13,7 +13,7 @@
 #include "exterior_removal.hpp"
 #include "flat_tets.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/delaunay/sizing.hpp"
+#include "lumesh/delaunay/sizing_beside.hpp"
 #include "lumesh/domain/usual_edge.hpp"
 #include "lumesh/operators/delaunay_kernel.hpp"
 #include "lumesh/operators/settling.hpp"
@@ -90,24 +90,19 @@ TetMesh hull_around(Box3 box, std::span<const Vec3> outer) {
 /// The sizes that are asked for, but no faster growth from the boundary than shapes can follow: with a larger
 /// size right behind the boundary nothing would be there for small parts to be found by, nor for angles to
 /// become good on, and the rules would fill in more points than the growth needs.
-class GradedSizing final : public Sizing {
+class GradedSizing final : public SizingBeside {
  public:
   GradedSizing(const Domain& domain, double edge_mm, const Sizing* asked)
-      : graded_(size_from_boundary(domain, {.at_boundary_mm = edge_mm, .growth = delaunay::kGrowthInwards})),
-        asked_(asked) {}
-
-  [[nodiscard]] double size_at(const Vec3& point_mm, Label label) const override {
-    const double size_mm = graded_->size_at(point_mm, label);
-    return asked_ == nullptr ? size_mm : std::min(size_mm, asked_->size_at(point_mm, label));
+      : SizingBeside(asked),
+        graded_(size_from_boundary(domain, {.at_boundary_mm = edge_mm, .growth = delaunay::kGrowthInwards})) {
   }
-  [[nodiscard]] bool wants_finer(const std::array<Vec3, 4>& corners_mm) const override {
-    return asked_ != nullptr && asked_->wants_finer(corners_mm);
-  }
-  [[nodiscard]] bool has_criterion() const override { return asked_ != nullptr && asked_->has_criterion(); }
 
  private:
+  [[nodiscard]] double own_size_at(const Vec3& point_mm, Label label) const override {
+    return graded_->size_at(point_mm, label);
+  }
+
   std::unique_ptr<Sizing> graded_;
-  const Sizing* asked_;
 };
 
 /// None unless the size inside is larger than the edges of surfaces.

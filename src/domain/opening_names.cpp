@@ -31,11 +31,12 @@ void for_each_square_in(const Box3& box_mm, const Opening& opening, const Visit&
       if (part.hold(column, row)) visit(part.centre_of(column, row));
 }
 
-/// Whether squares of one opening are within a voxel of the other's.
+/// Whether squares of one opening are within a voxel of the other's, also in planes that meet there.
 bool lies_beside(const Opening& own, const Opening& other) {
   const OpeningSquares& squares = *own.squares;
   bool found = false;
   for_each_square_in(own.box_mm, other, [&](const Vec3& x) {
+    if (found || std::abs(own.normal.dot(x - own.centre_mm)) > own.voxel_mm) return;
     for (const Vec3& step : {squares.u, squares.v})
       found = found || squares.hold(x + own.voxel_mm * step) || squares.hold(x - own.voxel_mm * step);
   });
@@ -45,17 +46,7 @@ bool lies_beside(const Opening& own, const Opening& other) {
 /// Whether two openings meet where their planes do, as the parts of a section through an edge of the image.
 bool meet_at_edge(const Opening& a, const Opening& b) {
   constexpr double kAlike = 0.999;  // Cosine between normals of one direction.
-  if (!a.squares || !b.squares || std::abs(a.normal.dot(b.normal)) > kAlike) return false;
-  const OpeningSquares& squares = *a.squares;
-  bool found = false;
-  for_each_square_in(a.box_mm, b, [&](const Vec3& x) {
-    const double above_mm = a.normal.dot(x - a.centre_mm);
-    if (found || std::abs(above_mm) > a.voxel_mm) return;
-    const Vec3 foot = x - above_mm * a.normal;
-    for (const Vec3& step : {squares.u, squares.v})
-      found = found || squares.hold(foot + a.voxel_mm * step) || squares.hold(foot - a.voxel_mm * step);
-  });
-  return found;
+  return a.squares && b.squares && std::abs(a.normal.dot(b.normal)) <= kAlike && lies_beside(a, b);
 }
 
 /// Marks openings that meet a rim of their label at an edge of the image: parts of the same ring.

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <span>
 #include <string>
@@ -11,7 +10,7 @@
 #include <vector>
 
 #include "lumesh/core/option.hpp"
-#include "lumesh/delaunay/sizing.hpp"
+#include "lumesh/delaunay/sizing_beside.hpp"
 #include "lumesh/domain/domain.hpp"
 #include "lumesh/domain/opening_sizes.hpp"
 #include "lumesh/operators/settling.hpp"
@@ -116,26 +115,21 @@ void note_tets_to_refine(const Sizing& criterion, DelaunayMesh& made) {
 }
 
 /// Sizes at openings: these, and growing with the distance from them.
-class SizingAtOpenings final : public Sizing {
+class SizingAtOpenings final : public SizingBeside {
  public:
-  SizingAtOpenings(std::span<const OpeningSize> sizes, const Sizing* others)
-      : sizes_(sizes.begin(), sizes.end()), others_(others) {}
+  SizingAtOpenings(std::span<const OpeningSize> sizes, const Sizing* asked)
+      : SizingBeside(asked), sizes_(sizes.begin(), sizes.end()) {}
 
-  [[nodiscard]] double size_at(const Vec3& point_mm, Label label) const override {
+ private:
+  [[nodiscard]] double own_size_at(const Vec3& point_mm, Label /*label*/) const override {
     constexpr double kGrowth = 0.3;
-    double size_mm = others_ == nullptr ? kAnySize : others_->size_at(point_mm, label);
+    double size_mm = kAnySize;
     for (const OpeningSize& size : sizes_)
       size_mm = std::min(size_mm, size.edge_mm + kGrowth * size.distance_mm(point_mm));
     return size_mm;
   }
-  [[nodiscard]] bool wants_finer(const std::array<Vec3, 4>& corners_mm) const override {
-    return others_ != nullptr && others_->wants_finer(corners_mm);
-  }
-  [[nodiscard]] bool has_criterion() const override { return others_ != nullptr && others_->has_criterion(); }
 
- private:
   std::vector<OpeningSize> sizes_;
-  const Sizing* others_;
 };
 
 DelaunayMesh mesh_once(const Domain& domain, const DelaunayRequest& request, const Sizing* sizing,
