@@ -1,15 +1,14 @@
 #include "lumesh/io/image_file.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
 #include <limits>
 #include <map>
-#include <string_view>
 
 #include "file_fault.hpp"
 #include "format_table.hpp"
+#include "lumesh/core/enumerated.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
@@ -54,12 +53,9 @@ void check_options(const ImageReadOptions& options) {
 
 std::string list_of_names(const std::map<Label, std::string>& names) {
   constexpr std::size_t kMax = 8;
-  std::vector<std::string_view> first;
-  for (const auto& [label, name] : names)
-    if (first.size() < kMax) first.push_back(name);
-  const std::size_t more = names.size() - first.size();
-  return fmt::format("there are {}{}", fmt::join(first, ", "),
-                     more == 0 ? "" : fmt::format(" and {} more", more));
+  std::vector<std::string> words;
+  for (const auto& [label, name] : names) words.push_back(name);
+  return "there are " + enumerated(words, kMax);
 }
 
 /// Gives names to the labels that are there.

@@ -1,7 +1,6 @@
 #include "segment_layers.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -14,6 +13,7 @@
 
 #include "file_fault.hpp"
 #include "lumesh/core/counted.hpp"
+#include "lumesh/core/enumerated.hpp"
 
 namespace lumesh::io {
 namespace {
@@ -92,11 +92,9 @@ std::string text_of(const JoinedSegments& made, const std::map<SegmentKey, std::
             : fmt::format(" without {} that a later layer has, too", counted(hidden->second, "voxel"))));
   }
   constexpr std::size_t kMostTold = 12;
-  const std::size_t more = parts.size() > kMostTold ? parts.size() - kMostTold : 0;
-  parts.resize(parts.size() - more);
   return fmt::format(
-      "has {} layers of segments, which become one image of labels: {}{}; `frame` takes one layer", layers,
-      fmt::join(parts, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+      "has {} layers of segments, which become one image of labels: {}; `frame` takes one layer", layers,
+      enumerated(parts, kMostTold));
 }
 
 }  // namespace

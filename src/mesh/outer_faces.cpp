@@ -1,7 +1,6 @@
 #include "lumesh/mesh/outer_faces.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -9,6 +8,7 @@
 #include <span>
 
 #include "lumesh/core/counted.hpp"
+#include "lumesh/core/enumerated.hpp"
 #include "lumesh/mesh/all_cells.hpp"
 #include "lumesh/mesh/cell_faces.hpp"
 #include "lumesh/mesh/cell_sides.hpp"
@@ -107,13 +107,9 @@ std::string OuterFaces::left_out_text() const {
   std::vector<std::string> names;
   for (std::size_t p = 0; p < std::min(left_out_.size(), mesh_.info->patches.size()); ++p)
     if (left_out_[p] > 0) names.push_back(mesh_.info->patches[p].name);
-  constexpr std::size_t kMostNames = 4;
-  const std::size_t more = names.size() > kMostNames ? names.size() - kMostNames : 0;
-  names.resize(names.size() - more);
-  const std::string which =
-      fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+  constexpr std::size_t kMaxNames = 4;
   return fmt::format("{} between cells{}", counted(count, "face", "faces"),
-                     names.empty() ? "" : fmt::format(" ({})", which));
+                     names.empty() ? "" : fmt::format(" ({})", enumerated(names, kMaxNames)));
 }
 
 }  // namespace lumesh

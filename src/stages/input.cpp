@@ -1,12 +1,11 @@
 #include "lumesh/stages/input.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <string_view>
 #include <vector>
 
+#include "lumesh/core/enumerated.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/geometry/hilbert.hpp"
 #include "lumesh/image/phantom.hpp"
@@ -16,6 +15,7 @@
 #include "lumesh/io/points_file.hpp"
 #include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/mesh/length_unit.hpp"
+#include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/mesh/polylines.hpp"
 #include "lumesh/stages/input_parts.hpp"
 
@@ -129,14 +129,10 @@ void warn_of_unknown_words(const MeshInfo& info, const std::filesystem::path& pa
 void warn_of_found_patches(const std::string& path, std::span<const Patch> found, const Context& context) {
   constexpr std::size_t kMax = 8;
   if (found.size() < 2) return;
-  std::vector<std::string_view> names;
-  for (const Patch& patch : found.first(std::min(kMax, found.size()))) names.push_back(patch.name);
-  const std::size_t more = found.size() - names.size();
   context.warn(
       fmt::format("{}: has no faces: its boundary, and interfaces of labels, are found from the cells and "
-                  "called {}{}; ends of "
-                  "vessels are part of the walls",
-                  path, fmt::join(names, ", "), more == 0 ? "" : fmt::format(" and {} more", more)));
+                  "called {}; ends of vessels are part of the walls",
+                  path, enumerated(names_of(found), kMax)));
 }
 
 void warn_of_ras(const MeshInfo& info, const std::filesystem::path& path, const Context& context) {
