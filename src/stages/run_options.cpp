@@ -10,7 +10,8 @@ Option& describe_threads(OptionList& list, int& threads) {
 
 void describe_time_limit(OptionList& list, double& limit_s) {
   list.number("time_limit", limit_s, above(0),
-              "Stop then, with exit code 4; adapt, delaunay, improve and run write the best mesh so far")
+              "Stop then, with exit code 4; adapt, delaunay, improve, lattice and run write the best mesh so "
+              "far, if there is one")
       .in("s")
       .zero("none", std::numeric_limits<double>::infinity());
 }
