@@ -58,7 +58,10 @@ class Improver {
         execution_({with_qualities(mesh, field_, measure_), field_, shapes_, measure_,
                     surface_ ? &*surface_ : nullptr},
                    options.team) {
-    if (options.sizes) keep_sizes();
+    if (options.sizes)
+      keep_sizes();
+    else
+      rules_.min_share_of_patch_edge = kMinShareOfPatchEdge;
     execution_.stop_by([&context] { return context.cancelled(); });
   }
 
@@ -111,6 +114,9 @@ class Improver {
       return;
     if (contended) mesh_.set_trial_epoch(t, 0);  // Another time it may go.
   }
+
+  /// Where surfaces meet at angles below the targets, points would be put in for ever, nearer and nearer.
+  static constexpr double kMinShareOfPatchEdge = 0.5;
 
   TetMesh& mesh_;
   metric::MetricField field_;

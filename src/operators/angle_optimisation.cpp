@@ -62,6 +62,15 @@ bool may_follow(const LengthRange& after, const LengthRange& before, const Angle
          after.longest <= std::max(rules.max_length, before.longest);
 }
 
+/// Nearer to a vertex of the hull than edges between vertices of patches there allow, which are not divided.
+bool crowds_patches(const TetMesh& mesh, const Cavity& cavity, const Vec3& place, const AngleRules& rules) {
+  if (rules.min_share_of_patch_edge == 0) return false;
+  const double min_mm = rules.min_share_of_patch_edge * cavity.shortest_patch_edge(mesh);
+  return std::isfinite(min_mm) && std::ranges::any_of(cavity.hull_vertices(), [&](std::uint32_t v) {
+           return (mesh.point(VertexId(v)) - place).squaredNorm() < min_mm * min_mm;
+         });
+}
+
 /// Gathers the angles of the ball. @return the worst quality there.
 double gather_angles(const Subject& subject, Scratch& scratch, VertexId v) {
   const TetMesh& mesh = subject.mesh;
@@ -132,7 +141,8 @@ double prepare_hole(auto& site, TetId t, int hole, const AngleRules& rules, Vec3
   if (!cavity.shrink_to_star_shaped(mesh, vertex, site.subject.shapes)) return -1;
   place = vertex.point;
   const double quality = cavity.optimise(mesh, place, site.scratch.angles, site.subject.measure, rules);
-  if (quality < 0 || !rules.bounds_lengths()) return quality;
+  if (quality < 0 || crowds_patches(mesh, cavity, place, rules)) return -1;
+  if (!rules.bounds_lengths()) return quality;
   const metric::MetricPair there = site.subject.field.at(place, vertex.hint);
   const LengthRange none{rules.min_length, rules.max_length};  // No edge there that could be an excuse.
   return may_follow(lengths_from(mesh, place, there.metric, cavity.hull_vertices()), none, rules) ? quality

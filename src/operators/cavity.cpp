@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "links.hpp"
 #include "lumesh/core/assert.hpp"
@@ -169,6 +170,17 @@ bool Cavity::accept(const TetMesh& mesh, const NewVertex& vertex, const PatchSha
     face.quality = static_cast<float>(metric::cube_root(cubed[next++]));
   }
   return has_sphere_as_hull();
+}
+
+double Cavity::shortest_patch_edge(const TetMesh& mesh) const {
+  double shortest2 = std::numeric_limits<double>::infinity();
+  for (const HullFace& face : hull_)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId a(face.corners[k]), b(face.corners[(k + 1) % 3]);
+      if (mesh.dimension(a) != VertexDimension::kVolume && mesh.dimension(b) != VertexDimension::kVolume)
+        shortest2 = std::min(shortest2, (mesh.point(a) - mesh.point(b)).squaredNorm());
+    }
+  return std::sqrt(shortest2);
 }
 
 double Cavity::optimise(const TetMesh& mesh, Vec3& place, AngleStar& angles, const ShapeMeasure& measure,

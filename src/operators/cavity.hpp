@@ -58,6 +58,8 @@ class Cavity {
 
   /// Inner vertices nearer than rules.min_length to a new vertex of a surface; known after accept().
   [[nodiscard]] std::span<const VertexId> too_near() const { return too_near_; }
+  /// The shortest edge of the hull between vertices of patches; infinite if there is none.
+  [[nodiscard]] double shortest_patch_edge(const TetMesh& mesh) const;
   /// Vertices that a new one is joined to; known after shrink_to_star_shaped().
   [[nodiscard]] std::span<const std::uint32_t> hull_vertices() const { return hull_vertex_list_; }
 

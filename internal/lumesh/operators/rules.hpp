@@ -58,6 +58,9 @@ struct AngleRules {
   /// longer already may not become more so.
   double min_length = 0, max_length = std::numeric_limits<double>::infinity();
   [[nodiscard]] bool bounds_lengths() const { return min_length > 0 || std::isfinite(max_length); }
+  /// Distance of a vertex that is inserted from those around it, in the shortest edge there between vertices
+  /// of patches; 0: any.
+  double min_share_of_patch_edge = 0;
   double max_deviation =
       0.15;                   ///< Deviation of faces from the input surface where a vertex slides, in edges.
   double max_retreat = 0.01;  ///< Distance of these faces from the vertex's old place; in edges, too.

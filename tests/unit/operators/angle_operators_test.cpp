@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "fixtures/metric_cubes.hpp"
 #include "fixtures/random_operator.hpp"
 #include "fixtures/rough_cube.hpp"
+#include "lumesh/mesh/mesh_walks.hpp"
 #include "lumesh/mesh/validate.hpp"
 
 namespace lumesh::operators {
@@ -166,6 +168,47 @@ TEST(InsertForAngles, PutsAVertexIntoTheCentreOfAnOctahedron) {
   EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
   EXPECT_EQ(bench.mesh.tet_count(), 8u);
   EXPECT_NEAR(bench.worst(), std::sqrt(2.0 / 3), 1e-6);
+}
+
+/// Distance of a vertex from those around it, in the shortest edge opposite to it between vertices of
+/// patches.
+double share_of_patch_edge(const TetMesh& mesh, VertexId v) {
+  double nearest = std::numeric_limits<double>::infinity(), shortest = nearest;
+  VertexStar star;
+  for (const TetId t : star.gather(mesh, v))
+    for (const std::uint32_t a : mesh.tet(t)) {
+      if (VertexId(a) == v) continue;
+      nearest = std::min(nearest, (mesh.point(VertexId(a)) - mesh.point(v)).norm());
+      for (const std::uint32_t b : mesh.tet(t))
+        if (a != b && mesh.dimension(VertexId(a)) != VertexDimension::kVolume &&
+            mesh.dimension(VertexId(b)) != VertexDimension::kVolume)
+          shortest = std::min(shortest, (mesh.point(VertexId(a)) - mesh.point(VertexId(b))).norm());
+    }
+  return std::isfinite(shortest) ? nearest / shortest : shortest;
+}
+
+/// The smallest such distance of all vertices that are put into a cube, one at each tetrahedron.
+double smallest_share_of_patch_edge(double asked) {
+  AngleBench bench(fixtures::rough_cube(4, 9));
+  double smallest = std::numeric_limits<double>::infinity();
+  int count = 0;
+  const std::uint32_t slots = bench.mesh.tet_slots();
+  for (std::uint32_t t = 0; t < slots; ++t) {
+    if (!bench.mesh.alive(TetId(t))) continue;
+    const std::uint32_t next = bench.mesh.vertex_slots();
+    if (bench.kernel.apply(AngleInsertion{{.min_share_of_patch_edge = asked}}, TetId(t)) != Outcome::kApplied)
+      continue;
+    ++count;
+    smallest = std::min(smallest, share_of_patch_edge(bench.mesh, VertexId(next)));
+  }
+  EXPECT_GE(count, 30) << asked;
+  EXPECT_TRUE(validate(bench.mesh).ok()) << validate(bench.mesh).text();
+  return smallest;
+}
+
+TEST(AngleOperators, InsertionKeepsItsDistanceFromPatches) {
+  EXPECT_LT(smallest_share_of_patch_edge(0), 0.25);
+  EXPECT_GE(smallest_share_of_patch_edge(0.4), 0.4);
 }
 
 TEST(AngleOperators, KeepTheMeshValidAndNeverLowerTheWorstQuality) {
