@@ -232,6 +232,15 @@ std::optional<Vec3> SizeGrid::inwards_at(const Index3& voxel, LabelImage::Index 
   return gradient.normalized();
 }
 
+const CutPlane* SizeGrid::faced_cut(const Vec3& direction) const {
+  constexpr double kNearlyNormal =
+      0.8;  // Cosine; vessels that meet a plane at less than 53 degrees have none.
+  const std::span<const CutPlane> cuts = domain_.cut_planes();
+  const auto faced = std::ranges::find_if(
+      cuts, [&](const CutPlane& cut) { return cut.normal.dot(direction) > kNearlyNormal; });
+  return faced == cuts.end() ? nullptr : &*faced;
+}
+
 double SizeGrid::chord_mm(const Index3& voxel, const Vec3& inwards, LabelImage::Index label,
                           double limit_mm) const {
   const ImageFrame& frame = image_.frame();
@@ -239,7 +248,9 @@ double SizeGrid::chord_mm(const Index3& voxel, const Vec3& inwards, LabelImage::
   const Vec3 step = inwards.cwiseQuotient(frame.spacing_mm);
   const double step_mm = 0.5 * frame.spacing_mm.minCoeff();
   const double behind_mm = 0.5 * step_mm + 0.25 * frame.spacing_mm.minCoeff();
+  const CutPlane* const faced = faced_cut(frame.direction * inwards);
   for (double t = step_mm; t + behind_mm < limit_mm; t += step_mm) {
+    if (faced != nullptr && faced->beyond_mm(frame.to_physical(start + t * step)) > 0) return t + behind_mm;
     const Index3 v = (start + t * step).array().round().cast<int>();
     if (!frame.contains(v)) return limit_mm;
     if (image_.at(v) != label) return t + behind_mm;

@@ -55,7 +55,10 @@ class SizeGrid {
   [[nodiscard]] std::optional<double> allowed_mm(const Index3& voxel) const;
   /// Unit direction (mm, along the image's axes) into the label; none where the field has no slope.
   [[nodiscard]] std::optional<Vec3> inwards_at(const Index3& voxel, LabelImage::Index label) const;
-  /// Through the label, from a voxel at its boundary.
+  /// The plane that ends what lies along a direction, which is nearly its normal; null if there is none.
+  [[nodiscard]] const CutPlane* faced_cut(const Vec3& direction) const;
+  /// Through the label, from a voxel at its boundary; unlimited through a plane that is not faced: there a
+  /// vessel goes on.
   [[nodiscard]] double chord_mm(const Index3& voxel, const Vec3& inwards, LabelImage::Index label,
                                 double limit_mm) const;
   /// How far the label goes on from a place along a unit direction; `limit_mm` too where it leaves the image.

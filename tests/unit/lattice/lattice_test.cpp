@@ -158,6 +158,14 @@ TEST(Lattice, SpacingAndDirectionOfTheImageAreFollowed) {
 
 /// Along an axis all sections of a tube have the same voxels, whose number may be off by several per cent of
 /// the circle's area: the mesh has what the domain's boundary encloses, here counted on a fine grid.
+double volume_of(const MixedMesh& mesh) {
+  double volume = 0;
+  for (const Cell<4>& t : mesh.tetrahedra)
+    volume +=
+        test::signed_volume({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]});
+  return volume;
+}
+
 TEST(Lattice, TheVolumeIsTheDomainsNotTheNumberOfVoxels) {
   const LabelImage image = voxels_of(frame_of({24, 14, 14}), {0, 1}, [](const Vec3& p) {
     return std::hypot(p.y() - 6.81, p.z() - 6.34) < 2 ? 1 : 0;
@@ -174,14 +182,9 @@ TEST(Lattice, TheVolumeIsTheDomainsNotTheNumberOfVoxels) {
   const double truth = static_cast<double>(within) / fine.prod();
   const double voxels = static_cast<double>(std::count(image.voxels().begin(), image.voxels().end(), 1));
   EXPECT_GT(std::abs(voxels / truth - 1), 0.02) << "the test can tell them apart";
-  double volume = 0;
   LatticeOptions options;
   options.spacing_mm = 1;
-  const MixedMesh mesh = meshed(image, options);
-  for (const Cell<4>& t : mesh.tetrahedra)
-    volume +=
-        test::signed_volume({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]});
-  EXPECT_NEAR(volume / truth, 1, 0.004);
+  EXPECT_NEAR(volume_of(meshed(image, options)) / truth, 1, 0.004);
 }
 
 /// Flat triangles of a coarse mesh stand off a bent wall. That must not count as if ends were missing:
@@ -255,6 +258,18 @@ TEST(Lattice, AWallThatMeetsTheBorderAtASmallAngleDoesNotFold) {
       EXPECT_LT(worst_deg, 80) << "a triangle is folded from 90 on";
       EXPECT_LT(furthest, 1) << "voxels";
     }
+  }
+}
+
+/// A sphere that the border grazes is a cap in the image, thin between its wall and the border.
+TEST(Lattice, AShallowCapAtTheBorderKeepsItsVolume) {
+  for (const auto& [radius, depth] : {std::pair(30., 2.5), std::pair(40., 2.5), std::pair(60., 2.5)}) {
+    const Vec3 centre(25.3, 24.6,
+                      depth - 0.5 - radius);  // The border is half a voxel before the first centres.
+    const MixedMesh mesh = meshed(voxels_of(frame_of({50, 50, 6}), {0, 1},
+                                            [&](const Vec3& p) { return (p - centre).norm() < radius; }));
+    const double volume = std::numbers::pi * depth * depth * (radius - depth / 3);
+    EXPECT_NEAR(volume_of(mesh), volume, 0.1 * volume) << radius;
   }
 }
 
