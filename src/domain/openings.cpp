@@ -3,9 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "lumesh/core/squares.hpp"
@@ -19,6 +21,21 @@
 
 namespace lumesh {
 namespace {
+
+/// Area, first moment and box of a part of a plane, summed up from triangles.
+struct FlatShape {
+  double area_mm2 = 0;
+  Vec3 moment = Vec3::Zero();
+  Box3 box_mm;
+
+  /// @param normal  Of unit length; triangles that turn against it count negative.
+  void add(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) {
+    const double area = 0.5 * (b - a).cross(c - a).dot(normal);
+    area_mm2 += area;
+    moment += area * triangle_centre(a, b, c);
+    for (const Vec3& p : {a, b, c}) box_mm.extend(p);
+  }
+};
 
 /// A rectangle of a cut plane, just inside of the object, divided into squares.
 class PlaneGrid {
@@ -49,7 +66,20 @@ class PlaneGrid {
     const auto columns = static_cast<std::size_t>(columns_);
     return centre_of(static_cast<int>(square % columns), static_cast<int>(square / columns));
   }
-  [[nodiscard]] double area_of_square() const { return step_ * step_; }
+  /// The shape of a part, of cells between the centres of four squares each: right to second order in the
+  /// step, also along sides that run along the squares.
+  /// @param is_inside  The squares of a part of the material.
+  [[nodiscard]] FlatShape shape_of(Material material, std::span<const std::uint8_t> is_inside) const {
+    FlatShape shape;
+    for (int row = 0; row + 1 < rows_; ++row)
+      for (int column = 0; column + 1 < columns_; ++column) {
+        std::array<bool, 4> in;
+        for (std::size_t k = 0; k < 4; ++k)
+          in[k] = is_inside[square(column + kCorners[k][0], row + kCorners[k][1])] != 0;
+        if (std::ranges::any_of(in, std::identity())) add_cell(column, row, in, material, shape);
+      }
+    return shape;
+  }
   [[nodiscard]] std::shared_ptr<const OpeningSquares> squares(std::vector<std::uint8_t> is_inside) const {
     return std::make_shared<const OpeningSquares>(
         OpeningSquares{first_, u_, v_, step_, columns_, rows_, std::move(is_inside)});
@@ -83,8 +113,41 @@ class PlaneGrid {
   }
 
  private:
+  static constexpr std::array<std::array<int, 2>, 4> kCorners = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+
+  [[nodiscard]] std::size_t square(int column, int row) const {
+    return static_cast<std::size_t>(column) +
+           static_cast<std::size_t>(columns_) * static_cast<std::size_t>(row);
+  }
   [[nodiscard]] Vec3 centre_of(int column, int row) const {
     return first_ + step_ * (column * u_ + row * v_);
+  }
+
+  /// The part of one cell inside, as the polygon of its corners there and of where its sides cross the rim.
+  void add_cell(int column, int row, const std::array<bool, 4>& in, Material material,
+                FlatShape& shape) const {
+    std::array<Vec3, 8> polygon;
+    std::size_t count = 0;
+    const auto corner = [&](std::size_t k) {
+      return centre_of(column + kCorners[k % 4][0], row + kCorners[k % 4][1]);
+    };
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (in[k]) polygon[count++] = corner(k);
+      if (in[k] != in[(k + 1) % 4])
+        polygon[count++] =
+            in[k] ? end_of(material, corner(k), corner(k + 1)) : end_of(material, corner(k + 1), corner(k));
+    }
+    for (std::size_t k = 1; k + 1 < count; ++k) shape.add(polygon[0], polygon[k], polygon[k + 1], normal_);
+  }
+
+  /// The end of the material between a place in it and another one.
+  [[nodiscard]] Vec3 end_of(Material material, Vec3 in, Vec3 out) const {
+    constexpr int kHalvings = 8;
+    for (int i = 0; i < kHalvings; ++i) {
+      const Vec3 middle = 0.5 * (in + out);
+      (material_of(middle) == material ? in : out) = middle;
+    }
+    return 0.5 * (in + out);
   }
 
   /// Runs of squares at a time, where there may be something.
@@ -228,19 +291,15 @@ class PlaneOpenings {
     opening.normal = plane_.normal + Vec3::Zero();  // No -0.
     opening.voxel_mm = std::sqrt(voxel_face_mm2(domain_, plane_.normal));
     std::vector<std::uint8_t> is_inside(part.size(), 0);
-    std::size_t count = 0;
-    for (std::size_t s = 0; s < part.size(); ++s) {
-      if (part[s] == 0 || !is_mine[part[s]]) continue;
-      ++count;
-      is_inside[s] = 1;
-      opening.centre_mm += fine.centre_of(s);
-      opening.box_mm.extend(fine.centre_of(s));
-    }
+    for (std::size_t s = 0; s < part.size(); ++s)
+      if (part[s] != 0 && is_mine[part[s]]) is_inside[s] = 1;
+    const FlatShape shape = fine.shape_of(material, is_inside);
     opening.squares = fine.squares(std::move(is_inside));
-    if (count == 0) return opening;
-    opening.centre_mm /= static_cast<double>(count);
+    if (!(shape.area_mm2 > 0)) return opening;
+    opening.area_mm2 = shape.area_mm2;
+    opening.box_mm = shape.box_mm;
+    opening.centre_mm = shape.moment / shape.area_mm2;
     opening.centre_mm -= plane_.normal.dot(opening.centre_mm - plane_.point_mm) * plane_.normal;
-    opening.area_mm2 = static_cast<double>(count) * fine.area_of_square();
     return opening;
   }
 

@@ -26,6 +26,15 @@ class OpeningGroups {
     AreaSum sum;                     // In mm².
     std::vector<Vec3> centres_mm;    // Of its triangles.
     bool is_beside_another = false;  // An opening of another label.
+
+    void add(std::uint32_t triangle, const BoundaryTriangle& t, std::span<const Vec3> positions) {
+      const Vec3 &a = positions[t.vertices[0]], &b = positions[t.vertices[1]], &c = positions[t.vertices[2]];
+      triangles.push_back(triangle);
+      inside = t.inside;
+      outside = t.outside;
+      sum.add(a, b, c);
+      centres_mm.push_back(triangle_centre(a, b, c));
+    }
   };
 
   /// @param members  The triangles of openings.
@@ -67,14 +76,7 @@ class OpeningGroups {
     for (std::uint32_t i = 0; i < members_.size(); ++i) {
       const auto [at, added] = number.try_emplace(sets_.find(i), groups_.size());
       if (added) groups_.emplace_back();
-      Group& group = groups_[at->second];
-      const BoundaryTriangle& t = boundary[members_[i]];
-      const Vec3 &a = positions[t.vertices[0]], &b = positions[t.vertices[1]], &c = positions[t.vertices[2]];
-      group.triangles.push_back(members_[i]);
-      group.inside = t.inside;
-      group.outside = t.outside;
-      group.sum.add(a, b, c);
-      group.centres_mm.push_back(triangle_centre(a, b, c));
+      groups_[at->second].add(members_[i], boundary[members_[i]], positions);
     }
     for (const std::uint32_t i : beside_another_) groups_[number.at(sets_.find(i))].is_beside_another = true;
     sort_by_area(groups_, [](const Group& group) { return area_at_place(group.sum); });
@@ -136,23 +138,30 @@ void name_by_materials(std::span<const BoundaryTriangle> boundary, const Domain&
 /// of these is wall.
 class OpeningNames {
  public:
-  OpeningNames(const Domain& domain, const PatchNaming& naming, PatchAssignment& result)
-      : domain_(domain), naming_(naming), result_(result), openings_(find_openings(domain)) {}
+  OpeningNames(std::span<const BoundaryTriangle> boundary, std::span<const Vec3> positions,
+               const Domain& domain, const PatchNaming& naming, PatchAssignment& result)
+      : boundary_(boundary),
+        positions_(positions),
+        domain_(domain),
+        naming_(naming),
+        result_(result),
+        openings_(find_openings(domain)) {}
 
   void name(std::span<const OpeningGroups::Group> groups) {
-    std::map<std::size_t, std::vector<const OpeningGroups::Group*>> by_number;
+    std::map<std::size_t, std::vector<OpeningGroups::Group>> by_number;
     for (const OpeningGroups::Group& group : groups) {
       const std::size_t opening = opening_of(group);
-      if (opening < openings_.size())
-        by_number[opening].push_back(&group);
-      else
+      if (opening == openings_.size())
         set(group, wall_of(group));
+      else
+        for (auto& [number, part] : parts_of(group, opening)) by_number[number].push_back(std::move(part));
     }
-    for (const auto& [number, of_opening] : by_number) {
-      const OpeningGroups::Group& largest = *of_opening.front();
+    for (auto& [number, of_opening] : by_number) {
+      sort_by_area(of_opening, [](const OpeningGroups::Group& group) { return area_at_place(group.sum); });
+      const OpeningGroups::Group& largest = of_opening.front();
       const std::int32_t patch = add(largest, number);
-      for (const OpeningGroups::Group* group : of_opening)
-        set(*group, group != &largest && is_splinter(*group, largest) ? wall_of(*group) : patch);
+      for (const OpeningGroups::Group& group : of_opening)
+        set(group, &group != &largest && is_splinter(group, largest) ? wall_of(group) : patch);
     }
   }
 
@@ -163,6 +172,24 @@ class OpeningNames {
     return !group.is_beside_another && group.sum.area < kShare * largest.sum.area;
   }
 
+  /// The group, or what it has of each opening where it has most of several: the mesh has joined them.
+  [[nodiscard]] std::map<std::size_t, OpeningGroups::Group> parts_of(const OpeningGroups::Group& group,
+                                                                     std::size_t opening) const {
+    constexpr double kMost = 0.5;  // Of an opening's area.
+    const Label label = domain_.label_of(group.inside);
+    std::map<std::size_t, OpeningGroups::Group> parts;
+    for (std::size_t i = 0; i < group.triangles.size(); ++i) {
+      const std::size_t nearest =
+          opening_of_places(openings_, label, {&group.centres_mm[i], 1}, normal_of(group));
+      const std::uint32_t t = group.triangles[i];
+      parts[nearest < openings_.size() ? nearest : opening].add(t, boundary_[t], positions_);
+    }
+    const bool are_several = std::ranges::all_of(parts, [&](const auto& part) {
+      return part.second.sum.area > kMost * openings_[part.first].area_mm2;
+    });
+    if (parts.size() == 1 || !are_several) return {{opening, group}};
+    return parts;
+  }
   [[nodiscard]] const Vec3& normal_of(const OpeningGroups::Group& group) const {
     return domain_.cut_plane(group.outside).normal;
   }
@@ -188,6 +215,8 @@ class OpeningNames {
     for (const std::uint32_t t : group.triangles) result_.of_triangle[t] = patch;
   }
 
+  std::span<const BoundaryTriangle> boundary_;
+  std::span<const Vec3> positions_;
   const Domain& domain_;
   const PatchNaming& naming_;
   PatchAssignment& result_;
@@ -201,7 +230,7 @@ void name_openings(std::span<const BoundaryTriangle> boundary, std::span<const V
     if (result.of_triangle[i] == kUnnamed) members.push_back(i);
   if (members.empty()) return;
   const OpeningGroups groups(boundary, positions, std::move(members));
-  OpeningNames(domain, naming, result).name(groups.groups());
+  OpeningNames(boundary, positions, domain, naming, result).name(groups.groups());
 }
 
 /// Openings are flat: what a mesher could not bring into its plane is wall.

@@ -88,7 +88,7 @@ struct Opening {
 /// The openings of a domain by falling area: its flat_ends(), or the parts of its cut planes; none if it has
 /// neither. The first is "inlet_1", the others are "outlet_1", "outlet_2", …, rims of walls "wall_rim_1", …;
 /// where these belong to several labels, the label is in the name: "outlet_2_label_5", or what the image
-/// calls it. Areas are right to about 0.2 %, those of openings of a voxel or two to 1 %. A part smaller than
+/// calls it. Areas are right to about 0.1 % of the domain's sections. A part smaller than
 /// half of voxel_face_mm2() is none: a wall that grazes the border. Threads: parallel inside, bitwise
 /// identical for every thread count. Cost: about 0.1 us for each voxel of the cut planes that may hold the
 /// object, and 2 ms per opening.
