@@ -28,12 +28,12 @@ struct PhaseTime {
 ///
 /// Cancellation: ask for a stop through the token's source, from any thread. Two kinds of work answer it.
 ///
-/// adapt(), adapt_to_complexity(), improve() and mesh_delaunay() have a valid mesh before they are done. They
-/// say so by results_exist(), ask cancelled() from then on between two operators, or two rounds of points,
-/// put the mesh in order and return it as incomplete: about 0.3 s for 100,000 tetrahedra. run_case() writes
-/// it.
+/// adapt(), adapt_to_complexity(), improve() and mesh_delaunay() have a valid mesh before they are done, and
+/// mesh_lattice() has one while it makes another for the sake of openings. They say so by results_exist(),
+/// ask cancelled() from then on, put the mesh in order and return it as incomplete: about 0.3 s for 100,000
+/// tetrahedra. run_case() writes it.
 ///
-/// All else, and those four before, ends in parallel::Cancelled within parallel::run_cancellable()
+/// All else, and those five before, ends in parallel::Cancelled within parallel::run_cancellable()
 /// (parallel/cancellation.hpp): at the next loop or block of one, usually a thousand elements or a slice.
 /// Arguments that were being changed are good for their destructors only; files appear complete or not at
 /// all. Without run_cancellable() it runs to its end.

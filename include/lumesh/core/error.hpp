@@ -11,7 +11,7 @@ enum class ErrorKind {
   kUsage,       ///< Wrong option or value of one.
   kBadInput,    ///< A file or a data set is missing, broken or unsuitable, or output cannot be written.
   kNotReached,  ///< The request could not be met (quality floor, lost label).
-  kTimeLimit,   ///< Time limit reached or interrupted; the best valid mesh was written.
+  kTimeLimit,   ///< Told to stop, by a time limit or a signal. Programs throw it, the library Cancelled.
   kMemory,      ///< The request needs more memory than there is.
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 /// @file Image-to-mesh conversion by parallel Delaunay refinement, the role of PODM in the paper
-/// (section 3.4).
+/// (section 4.4).
 
 #include <cstdint>
 #include <string>

@@ -60,8 +60,7 @@ struct LatticeResult {
 /// @param image    Labels; must outlive the call only.
 /// @param domain   The oracle built from the same image.
 /// @return         A conforming mesh, positively oriented, in mm (LPS); patches "wall", "inlet_1",
-/// "outlet_1", …,
-///                 "interface_A_B".
+///                 "outlet_1" and on, "interface_A_B".
 /// @throws Error{kBadInput} if nothing can be meshed, or as require_labels_of(), Error{kMemory} if the
 /// lattice would not fit into memory. Threads: data-parallel, bitwise identical for every thread count. Cost:
 /// linear in the number of tetrahedra. Reference: the paper's section 3.1; Molino et al. 2003 for the

@@ -1,5 +1,5 @@
 #pragma once
-/// @file Boundary layers on the surface of a mesh, the role of AFLR in the paper (section 3.1).
+/// @file Boundary layers on the surface of a mesh, the role of AFLR in the paper (section 3.2).
 
 #include <array>
 #include <cstdint>
