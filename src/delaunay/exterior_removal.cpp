@@ -7,6 +7,7 @@
 
 #include "lumesh/domain/patch_names.hpp"
 #include "lumesh/mesh/mesh_walks.hpp"
+#include "lumesh/mesh/small_pieces.hpp"
 #include "lumesh/parallel/loops.hpp"
 
 namespace lumesh::delaunay {
@@ -16,11 +17,25 @@ Material material_of(const TetMesh& mesh, TetId t) {
   return static_cast<Material>(mesh.label(t));
 }
 
-/// Drops what is not meshed. Where it was, links say which material.
+/// Flag per vertex: it belongs to a piece that refinement has broken off.
+std::vector<std::uint8_t> broken_off(const TetMesh& mesh, const Domain& domain) {
+  const double voxel_mm = domain.resolution_mm();
+  return vertices_of_small_pieces(
+      mesh.vertex_slots(), kSmallPiece * voxel_mm * voxel_mm * voxel_mm,
+      [&](const auto& visit) {
+        for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+          if (const TetId t(i); mesh.alive(t) && domain.is_meshed(material_of(mesh, t))) visit(mesh.tet(t));
+      },
+      [&](std::uint32_t v) -> const Vec3& { return mesh.point(VertexId(v)); });
+}
+
+/// Drops what is not meshed, and what has been broken off. Where it was, links say which material.
 void drop_outside(TetMesh& mesh, const Domain& domain) {
+  const std::vector<std::uint8_t> is_broken_off = broken_off(mesh, domain);
   std::vector<std::uint8_t> kept(mesh.tet_slots(), 0);
   for_each_tet(mesh, [&](TetId t) {
     if (!domain.is_meshed(material_of(mesh, t))) return;
+    if (!is_broken_off.empty() && is_broken_off[mesh.tet(t)[0]] != 0) return;
     kept[t.value] = 1;
     for (int f = 0; f < 4; ++f) {
       const Material behind = material_of(mesh, mesh.link(t, f).tet());

@@ -9,6 +9,7 @@
 #include "exposed_tetrahedra.hpp"
 #include "fitter.hpp"
 #include "folds.hpp"
+#include "lumesh/mesh/small_pieces.hpp"
 #include "opening_rims.hpp"
 #include "sagittas.hpp"
 #include "vertex_blocks.hpp"
@@ -90,6 +91,20 @@ void fit_boundary(Fitter& fitter, DeviationFinder& finder, const WorkMesh& mesh,
   fitter.fit_and_improve(kImproveSweeps, Fitter::kGood);
 }
 
+/// Drops pieces that have been broken off, with their boundary.
+void drop_small_pieces(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomain& domain) {
+  const std::vector<std::uint8_t> is_small = vertices_of_small_pieces(
+      mesh.positions.size(), kSmallPiece * domain.frame().voxel_volume_mm3(),
+      [&](const auto& visit) { std::ranges::for_each(mesh.tets, visit); },
+      [&](std::uint32_t v) -> const Vec3& { return mesh.positions[v]; });
+  if (is_small.empty()) return;
+  std::erase_if(boundary.triangles,
+                [&](const BoundaryTriangle& triangle) { return is_small[triangle.vertices[0]] != 0; });
+  std::vector<std::uint8_t> keep(mesh.tets.size());
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = is_small[mesh.tets[t][0]] != 0 ? 0 : 1;
+  drop_tetrahedra(mesh, boundary, keep);
+}
+
 }  // namespace
 
 FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImage& image,
@@ -119,6 +134,7 @@ FitReport fit_to_domain(WorkMesh& mesh, BoundaryModel& boundary, const LabelImag
   FitReport report =
       report_on(deviations, finder.deviating_probe_distances_mm(mesh, boundary), domain.voxel_size_mm());
   remove_beyond_cuts(mesh, boundary, domain);
+  drop_small_pieces(mesh, boundary, domain);
   add_beyond_cuts(mesh, boundary, domain, report);
   return report;
 }

@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <tuple>
 
 #include "fixtures/images.hpp"
 #include "lumesh/core/error.hpp"
@@ -233,6 +234,19 @@ TEST(DelaunayMesh, HasThePiecesAndTheEulerNumbersOfTheShapes) {
     return (q - Vec3(0, 0, 10)).norm() < 3 || (q + Vec3(0, 0, 10)).norm() < 3 ? 2 : 0;
   });
   EXPECT_EQ(label_shapes(meshed(ring_and_balls).mesh), (Shapes{{1, 1, 0, 1}, {2, 2, 2, 2}}));
+}
+
+/// Refinement breaks pieces off where an object runs out between its wall and the border.
+TEST(DelaunayMesh, HasOnePieceOfACapThatRunsOutAtTheBorder) {
+  for (const auto& [radius, depth, delta_mm] :
+       {std::tuple(60., 2.5, 0.5), std::tuple(60., 2.5, 0.8), std::tuple(40., 1.6, 0.5)}) {
+    const Vec3 centre(25.3, 24.6, depth - 0.5 - radius);
+    const LabelImage image = voxels_of(frame_of({50, 50, 6}), {0, 1},
+                                       [&](const Vec3& p) { return (p - centre).norm() < radius ? 1 : 0; });
+    const std::vector<LabelShape> shapes = label_shapes(meshed(image, {.delta_mm = delta_mm}).mesh);
+    ASSERT_EQ(shapes.size(), 1U);
+    EXPECT_EQ(shapes[0].components, 1U) << radius;
+  }
 }
 
 void expect_same_bits(const TetMesh& mesh, const TetMesh& other) {
