@@ -79,6 +79,7 @@ void check_places(const TetMesh& mesh) {
 }
 
 constexpr std::uint32_t kNoColumn = ~0u;
+constexpr std::int32_t kNoPatch = -1, kSeveral = -2;
 
 }  // namespace
 
@@ -130,17 +131,23 @@ void InteriorDeformation::go_to(const Columns& columns, int steps) {
   }
 }
 
+/// Interfaces between labels follow as the interior does.
 std::vector<InteriorDeformation::Follower> InteriorDeformation::followers() const {
   std::vector<Follower> all(mesh_.vertex_count());
-  for (std::uint32_t v = 0; v < all.size(); ++v)
-    if (mesh_.dimension(VertexId(v)) != VertexDimension::kVolume) all[v].kind = Follower::kFixed;
+  std::vector<std::int32_t> outer_patch(all.size(), kNoPatch);
   const BoundaryFaces faces = mesh_.boundary_faces();
   for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
-    const operators::PatchShape& shape = frame_.surface.shapes[static_cast<std::size_t>(faces.patches[f])];
-    if (shape.freedom != operators::PatchFreedom::kPlane) continue;
+    if (faces.tets[f][1].valid()) continue;
     for (const std::uint32_t v : faces.triangles[f])
-      if (mesh_.dimension(VertexId(v)) == VertexDimension::kSurface)
-        all[v] = {Follower::kInPlane, shape.normal};
+      outer_patch[v] =
+          outer_patch[v] == kNoPatch || outer_patch[v] == faces.patches[f] ? faces.patches[f] : kSeveral;
+  }
+  for (std::size_t v = 0; v < all.size(); ++v) {
+    if (outer_patch[v] == kNoPatch) continue;
+    all[v].kind = Follower::kFixed;
+    if (outer_patch[v] == kSeveral) continue;
+    const operators::PatchShape& shape = frame_.surface.shapes[static_cast<std::size_t>(outer_patch[v])];
+    if (shape.freedom == operators::PatchFreedom::kPlane) all[v] = {Follower::kInPlane, shape.normal};
   }
   for (const std::uint32_t v : vertices_) all[v].kind = Follower::kLed;
   return all;

@@ -180,19 +180,21 @@ LayerResult grow_on(const TetMesh& mesh, const BoundaryFaces& faces, const Patch
       {core.mesh, core.mesh.boundary_faces(), selection, core.vertices, metric_before(mesh, core.mesh)});
 }
 
-/// Layers within one label of several: that part alone is deformed, and keeps its faces against the others.
+/// Layers within some of the labels: that part alone is deformed, and keeps its faces against the others.
 LayerResult grow_in_part(const TetMesh& mesh, const BoundaryFaces& faces, const PatchSelection& selection,
                          const LayerOptions& options, Context& context) {
   const MixedMesh whole = copy_of(mesh.view(faces));
   std::set<Label> others = labels_of(whole);
-  others.erase(selection.into);
+  for (const Label label : selection.into) others.erase(label);
   if (options.into == 0 && !others.empty())
     context.warn(fmt::format(
-        "layers grow into label {}, the only one at the walls, and not into {}; `into` LABEL with a "
-        "`patch` between labels has them grow elsewhere, as into the lumen within a wall",
-        label_list({selection.into}, mesh.info().label_names), label_list(others, mesh.info().label_names)));
+        "layers grow into {} {}, {} at the walls, and not into {}; `into` LABEL with a `patch` between "
+        "labels "
+        "has them grow elsewhere, as into the lumen within a wall",
+        selection.into.size() == 1 ? "label" : "labels", label_list(selection.into, mesh.info().label_names),
+        selection.into.size() == 1 ? "the only one" : "those", label_list(others, mesh.info().label_names)));
   const auto [part, rest] = context.phase("part", [&] {
-    return std::pair{part_of(whole, {selection.into}), part_of(whole, others)};
+    return std::pair{part_of(whole, selection.into), part_of(whole, others)};
   });
   TetMesh of_part = TetMesh::build(part.mesh.view());
   if (!part.mesh.metric.empty()) metric::set_metric(of_part, part.mesh.metric);
@@ -210,6 +212,9 @@ LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Contex
   const PatchSelection selection = select_patches(mesh, faces, options);
   LayerOptions of_label = options;
   of_label.label = label_of_layers(mesh, options.label);
+  if (selection.into.size() > 1)
+    context.info(fmt::format("layers grow into labels {} as one",
+                             label_list(selection.into, mesh.info().label_names)));
   if (options.side == LayerSide::kInward && selection.is_part)
     return grow_in_part(mesh, faces, selection, of_label, context);
   return grow_on(mesh, faces, selection, of_label, context);

@@ -98,13 +98,8 @@ PatchSelection select_patches(const TetMesh& mesh, const BoundaryFaces& faces, c
                     info.patches[p].name, label_list(sides[p].labels, info.label_names)));
   }
   if (options.side == LayerSide::kOutward) return selection;
-  selection.is_part = all.size() > 1;
-  selection.into = options.into;
-  if (options.into == 0 && at_chosen.size() > 1)
-    throw_bad_selection(fmt::format(
-        "layers grow into one label at a time, but the patches are at {}; say which with `into` LABEL",
-        label_list(at_chosen, info.label_names)));
-  if (options.into == 0 && !at_chosen.empty()) selection.into = *at_chosen.begin();
+  selection.into = options.into == 0 ? at_chosen : std::set<Label>{options.into};
+  selection.is_part = all != selection.into;
   return selection;
 }
 

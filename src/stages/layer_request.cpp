@@ -43,8 +43,8 @@ std::string layer_label_text(const LayerOptions& options) {
 void LayerRequest::describe(OptionList& list) {
   options.describe(list);
   list.text("into", into,
-            "Inwards, in a mesh of several labels: the one that is deformed, by name or number; none: the "
-            "only one at the patches");
+            "Inwards, in a mesh of several labels: the one that is deformed, by name or number; none: all "
+            "at the patches, as one");
   list.parsed("label",
               {[this] { return layer_label_text(options); },
                [this](const std::string& text) { take_layer_label(text, options); }},

@@ -42,8 +42,8 @@ class OptionList;
 struct LayerOptions {
   std::vector<std::string> patches = {};  ///< Patches that layers grow on; empty: all walls.
   LayerSide side = LayerSide::kOutward;
-  Label into = kBackground;  ///< Inwards, where a mesh has several labels: the one that is deformed; 0: the
-                             ///< only one at the patches.
+  Label into = kBackground;  ///< Inwards, where a mesh has several labels: the one that is deformed; 0: all
+                             ///< at the patches, as one.
   double first_height = 0;   ///< > 0 for grow_layers(); in mm, or times the scale.
   double growth = 1.2;
   double growth_rise = 1;
@@ -154,17 +154,18 @@ struct LayerResult {
 /// A metric of the mesh is kept: its vertices have theirs, those that moved and those of layers that of the
 /// place where they are; outside of the mesh, that of the column's foot.
 ///
-/// Inwards, layers grow on patches between labels, too: into one label, all others stay as they are.
+/// Inwards, layers grow into all labels at the patches as one, whose interfaces follow as the interior does;
+/// or into one label, on patches between labels, too: then all others stay as they are.
 ///
 /// Patches of the result: those of the input, where a patch with layers becomes an interface (its part
 /// without layers, if any, is "NAME_bare"); the skin "layer_outer"; the rings around openings "NAME_layer";
 /// "layer_side" where the layers end at other patches.
 ///
 /// @param mesh  Compact. @throws Error{kBadInput} if a patch is not there, has no free side, or none is named
-/// and there is no wall, if layers would grow into several labels at a time, or inwards if two vertices of
-/// the surface lie at one place. Parallel inside, bitwise identical for every thread count. Source:
-/// algorithms as in Aubry and Löhner 2009, doi:10.1002/nme.2446 (most normal normals), Ma, Bae and Choi 2012,
-/// doi:10.1007/s00371-011-0594-7 (shrinking balls), Marcum and Gaither 1999, doi:10.2514/6.1999-3252 (AFLR).
+/// and there is no wall, or inwards if two vertices of the surface lie at one place. Parallel inside, bitwise
+/// identical for every thread count. Source: algorithms as in Aubry and Löhner 2009, doi:10.1002/nme.2446
+/// (most normal normals), Ma, Bae and Choi 2012, doi:10.1007/s00371-011-0594-7 (shrinking balls), Marcum and
+/// Gaither 1999, doi:10.2514/6.1999-3252 (AFLR).
 [[nodiscard]] LayerResult grow_layers(const TetMesh& mesh, const LayerOptions& options, Context& context);
 
 }  // namespace lumesh

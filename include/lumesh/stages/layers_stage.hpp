@@ -17,7 +17,7 @@ class OptionList;
 /// Boundary layers as front ends ask for them: labels by name or number.
 struct LayerRequest {
   LayerOptions options;  ///< Without the label that is deformed.
-  std::string into;  ///< Name or number of the label that is deformed; empty: the only one at the patches.
+  std::string into;      ///< Name or number of the label that is deformed; empty: all at the patches.
 
   [[nodiscard]] bool is_wanted() const { return options.first_height > 0; }
   void describe(OptionList& list);

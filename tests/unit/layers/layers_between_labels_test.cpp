@@ -77,6 +77,42 @@ TEST(Layers, InwardsOfAWallAroundALumenSayThatTheyAreInTheWall) {
   EXPECT_TRUE(told.empty()) << told.front();
 }
 
+/// A vessel whose two labels meet in its middle, along z.
+TEST(Layers, InwardsOfSeveralLabelsOfOneLumenAreAsOfOne) {
+  const auto voxels = [](Label second) {
+    return fixtures::voxels_of(fixtures::frame_of({28, 28, 50}), {0, 1, 2}, [second](const Vec3& p) -> int {
+      return std::hypot(p.x() - 13.6, p.y() - 13.2) >= kTubeRadius ? 0 : p.z() < 24.3 ? 1 : second;
+    });
+  };
+  const LayerOptions options{.side = LayerSide::kInward, .first_height = 0.3, .count = 4};
+  const TetMesh mesh = meshed(voxels(2)), alike = meshed(voxels(1));
+  const MixedMesh before = copy_of(mesh);
+  const LayerResult result = grown(mesh, options), one = grown(alike, options);
+  const ValidationReport report = validate(result.mesh.view());
+  ASSERT_TRUE(report.ok()) << report.text();
+  expect_conforming(result.mesh);
+  EXPECT_GT(result.report.complete(),
+            one.report.complete() - 0.1);  // Coarse cells at the interface are poor.
+  EXPECT_NEAR(volume_of(result.mesh, 1) + volume_of(result.mesh, 2) + volume_of(result.mesh, 3),
+              volume_of(before, 1) + volume_of(before, 2), 1e-6 * volume_of(before, 1));
+  const double share = volume_of(result.mesh, 1) / (volume_of(result.mesh, 1) + volume_of(result.mesh, 2));
+  EXPECT_NEAR(share, volume_of(before, 1) / (volume_of(before, 1) + volume_of(before, 2)), 0.01);
+  for (const Label label : {1, 2})
+    EXPECT_GT(area_of(result.mesh, patch_between(mesh.info(), 0, label)),
+              0.97 * area_of(before, patch_between(mesh.info(), 0, label)));
+  // Their interface stays about where it was.
+  const std::string between = patch_between(mesh.info(), 1, 2);
+  const auto farthest_off = [&](const MixedMesh& of) {
+    double off = 0;
+    for (std::size_t t = 0; t < of.triangles.size(); ++t)
+      if (of.info.patches[static_cast<std::size_t>(of.triangle_patches[t])].name == between)
+        for (const std::uint32_t v : of.triangles[t]) off = std::max(off, std::abs(of.points[v].z() - 23.8));
+    return off;
+  };
+  EXPECT_LT(area_of(result.mesh, between), area_of(before, between));
+  EXPECT_LT(farthest_off(result.mesh), farthest_off(before) + 0.3);
+}
+
 TEST(Layers, OnPatchesBetweenLabelsGrowIntoEither) {
   const TetMesh mesh = tube_in_tube();
   const MixedMesh before = copy_of(mesh);
