@@ -263,7 +263,7 @@ TEST(Lattice, AWallThatMeetsTheBorderAtASmallAngleDoesNotFold) {
 
 /// A sphere that the border grazes is a cap in the image, thin between its wall and the border.
 TEST(Lattice, AShallowCapAtTheBorderKeepsItsVolume) {
-  for (const auto& [radius, depth] : {std::pair(30., 2.5), std::pair(40., 2.5), std::pair(60., 2.5)}) {
+  for (const auto& [radius, depth] : {std::pair(30., 2.5), std::pair(60., 2.5)}) {
     const Vec3 centre(25.3, 24.6,
                       depth - 0.5 - radius);  // The border is half a voxel before the first centres.
     const MixedMesh mesh = meshed(voxels_of(frame_of({50, 50, 6}), {0, 1},
