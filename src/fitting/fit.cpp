@@ -102,6 +102,7 @@ void drop_small_pieces(WorkMesh& mesh, BoundaryModel& boundary, const ImageDomai
                 [&](const BoundaryTriangle& triangle) { return is_small[triangle.vertices[0]] != 0; });
   std::vector<std::uint8_t> keep(mesh.tets.size());
   for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = is_small[mesh.tets[t][0]] != 0 ? 0 : 1;
+  build_neighbours(mesh);
   drop_tetrahedra(mesh, boundary, keep);
 }
 

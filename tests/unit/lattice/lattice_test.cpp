@@ -263,11 +263,16 @@ TEST(Lattice, AWallThatMeetsTheBorderAtASmallAngleDoesNotFold) {
 
 /// A sphere that the border grazes is a cap in the image, thin between its wall and the border.
 TEST(Lattice, AShallowCapAtTheBorderKeepsItsVolume) {
-  for (const auto& [radius, depth] : {std::pair(30., 2.5), std::pair(60., 2.5)}) {
-    const Vec3 centre(25.3, 24.6,
-                      depth - 0.5 - radius);  // The border is half a voxel before the first centres.
-    const MixedMesh mesh = meshed(voxels_of(frame_of({50, 50, 6}), {0, 1},
-                                            [&](const Vec3& p) { return (p - centre).norm() < radius; }));
+  struct Cap {
+    double radius, depth, x, y;
+  };
+  // Of the second one a piece comes loose and is left out.
+  for (const auto& [radius, depth, x, y] :
+       {Cap{30, 2.5, 25.3, 24.6},
+        Cap{53.61350235520098, 2.8699207586965447, 25.013572044171262, 26.907757712066996}}) {
+    const Vec3 centre(x, y, depth - 0.5 - radius);  // The border is half a voxel before the first centres.
+    const auto is_inside = [&](const Vec3& p) { return (p - centre).norm() < radius; };
+    const MixedMesh mesh = meshed(voxels_of(frame_of({50, 50, 6}), {0, 1}, is_inside));
     const double volume = std::numbers::pi * depth * depth * (radius - depth / 3);
     EXPECT_NEAR(volume_of(mesh), volume, 0.1 * volume) << radius;
   }
