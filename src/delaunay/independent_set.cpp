@@ -27,14 +27,17 @@ double nearest_vertex2(const TetMesh& mesh, const Vec3& point, std::span<const T
 }
 
 /// True if a point of a surface would encroach on a vertex of a surface or curve, or a point of a curve on a
-/// vertex of a curve; vertices of surfaces that a point of a curve encroaches on are removed later.
+/// vertex of a curve. Vertices of surfaces that a point of a curve encroaches on are removed later; it only
+/// may not touch one, which could be there for good.
 bool is_near_a_vertex(const TetMesh& mesh, const Candidate& candidate, std::span<const TetId> conflicts) {
-  constexpr double kMin = 0.3, kMinOnCurve = 0.4;  // Of the spacing.
+  constexpr double kMin = 0.3, kMinOnCurve = 0.4, kTouch = 2e-3;  // Of the spacing.
   const double min_distance =
       (candidate.dimension <= VertexDimension::kCurve ? kMinOnCurve : kMin) * candidate.spacing;
-  return nearest_vertex2(mesh, candidate.point, conflicts,
-                         std::max(candidate.dimension, VertexDimension::kCurve)) <
-         min_distance * min_distance;
+  const auto is_within = [&](double distance, VertexDimension max_dimension) {
+    return nearest_vertex2(mesh, candidate.point, conflicts, max_dimension) < distance * distance;
+  };
+  return is_within(min_distance, std::max(candidate.dimension, VertexDimension::kCurve)) ||
+         is_within(kTouch * candidate.spacing, VertexDimension::kSurface);
 }
 
 /// A piece of a curve, and the materials that meet there.

@@ -22,10 +22,11 @@ std::vector<Vec3> random_points(std::size_t count, std::mt19937& random) {
   return points;
 }
 
-TetMesh triangulation_of(const std::vector<Vec3>& points) {
+TetMesh triangulation_of(const std::vector<Vec3>& points,
+                         VertexDimension dimension = VertexDimension::kVolume) {
   TetMesh mesh = operators::triangulation_around(Vec3::Constant(5), 10);
   std::vector<operators::DelaunayExecution::NewVertex> vertices;
-  for (const Vec3& p : points) vertices.push_back({p, VertexDimension::kVolume, {}});
+  for (const Vec3& p : points) vertices.push_back({p, dimension, {}});
   operators::DelaunayExecution(mesh, {}).insert(vertices, 1);
   return mesh;
 }
@@ -104,6 +105,18 @@ TEST(IndependentSet, SelectsTheHighestPriorityOfACluster) {
   const std::vector<Candidate> selected = independent_set.select(mesh, candidates, 2);
   ASSERT_EQ(selected.size(), 1U);
   EXPECT_EQ(selected[0].priority, 4);
+}
+
+/// Vertices of surfaces near to a new point of a curve are taken out after it, but not for ever.
+TEST(IndependentSet, NoPointOfACurveTouchesAVertexOfASurface) {
+  const fixtures::AnalyticDomain domain = fixtures::analytic_ball(Vec3::Constant(5), 4);
+  const Spacing spacing(domain, 1, 1.3, std::numeric_limits<double>::infinity(), nullptr);
+  const std::vector<Vec3> points = {{2, 2, 2}, {8, 2, 2}, {2, 8, 2}, {2, 2, 8}, {5, 5, 5}};
+  for (const double off_mm : {1e-9, 1e-3, 0.1}) {
+    TetMesh mesh = triangulation_of(points, VertexDimension::kSurface);
+    const Candidate candidate{Vec3(5 + off_mm, 5, 5), any_of(mesh), 1, VertexDimension::kCurve, 1};
+    EXPECT_EQ(IndependentSet(spacing).select(mesh, {candidate}, 2).size(), off_mm < 0.01 ? 0U : 1U) << off_mm;
+  }
 }
 
 }  // namespace
