@@ -25,9 +25,9 @@
 #include "lumesh/mesh/patch_list.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/input_parts.hpp"
-#include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
+#include "lumesh/vessels/opening_sections.hpp"
 
 namespace lumesh::report {
 namespace {

@@ -17,10 +17,10 @@
 #include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/mesh_output.hpp"
-#include "lumesh/stages/opening_sections.hpp"
 #include "lumesh/stages/surface_input.hpp"
 #include "lumesh/stages/vessel_ends.hpp"
-#include "vessel_axes.hpp"
+#include "lumesh/vessels/opening_sections.hpp"
+#include "lumesh/vessels/vessel_axes.hpp"
 
 namespace lumesh {
 

@@ -14,7 +14,7 @@
 #include "lumesh/io/text_file.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/provenance.hpp"
-#include "vessel_axes.hpp"
+#include "lumesh/vessels/vessel_axes.hpp"
 
 namespace lumesh {
 namespace {

@@ -8,7 +8,6 @@
 #include <optional>
 #include <span>
 
-#include "axis_sections.hpp"
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
@@ -18,8 +17,9 @@
 #include "lumesh/field/label_field.hpp"
 #include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/image/topology.hpp"
-#include "lumesh/stages/opening_sections.hpp"
-#include "vessel_axes.hpp"
+#include "lumesh/vessels/axis_sections.hpp"
+#include "lumesh/vessels/opening_sections.hpp"
+#include "lumesh/vessels/vessel_axes.hpp"
 
 namespace lumesh {
 namespace {
@@ -120,7 +120,7 @@ std::vector<Vec3> clip_piece(LabelImage& image, const Index3& voxel, const Local
   const auto shape_of = [&](const Vec3& end, const Vec3& outward, double radius_mm) {
     return shape_of_end(image.frame(), sections, end, outward, radius_mm);
   };
-  return cut_ends(lines, length, is_wide, shape_of, axes_by_voxels(image, planes), planes, cut, context);
+  return cut_ends(lines, {length, is_wide, shape_of, axes_by_voxels(image, planes), cut}, planes, context);
 }
 
 /// Ends without an axis of their own are those that several vessels share, and those of small pieces.

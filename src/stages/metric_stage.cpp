@@ -18,7 +18,7 @@
 #include "lumesh/metric/shaping.hpp"
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/stages/metric_input.hpp"
-#include "vessel_axes.hpp"
+#include "lumesh/vessels/vessel_axes.hpp"
 
 namespace lumesh {
 namespace {

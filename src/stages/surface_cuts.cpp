@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "axis_sections.hpp"
 #include "lumesh/core/error.hpp"
 #include "lumesh/core/option.hpp"
 #include "lumesh/core/place_text.hpp"
@@ -21,7 +20,8 @@
 #include "lumesh/stages/input_parts.hpp"
 #include "lumesh/surface/edges.hpp"
 #include "lumesh/surface/plane_cut.hpp"
-#include "vessel_axes.hpp"
+#include "lumesh/vessels/axis_sections.hpp"
+#include "lumesh/vessels/vessel_axes.hpp"
 
 namespace lumesh {
 namespace {
@@ -81,16 +81,14 @@ class SurfaceCutter {
       closed_ends.push_back(lines.points[tip]);
       return false;
     };
-    const std::vector<Vec3> tried = cut_ends(
-        lines, length, is_end,
-        [&](const Vec3& tip, const Vec3& outward, double) {
-          const auto end = std::ranges::min_element(ends, {}, [&](const FlatEnd& e) {
-            return (tip - e.centre_mm).norm() / circle_radius(e.area_mm2);
-          });
-          return EndShape{0, end == ends.end() ? 0 : end->area_mm2 * std::abs(end->normal.dot(outward))};
-        },
-        axes_by_triangles(), {},
-        [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); }, context_);
+    const auto shape_of = [&](const Vec3& tip, const Vec3& outward, double /*radius_mm*/) {
+      const auto end = std::ranges::min_element(
+          ends, {}, [&](const FlatEnd& e) { return (tip - e.centre_mm).norm() / circle_radius(e.area_mm2); });
+      return EndShape{0, end == ends.end() ? 0 : end->area_mm2 * std::abs(end->normal.dot(outward))};
+    };
+    const auto cut = [&](const AxisPlace& at) { cut_off_end(at, kMaxWideningAtEnds, CutPart::kAbove); };
+    const std::vector<Vec3> tried =
+        cut_ends(lines, {length, is_end, shape_of, axes_by_triangles(), cut}, {}, context_);
     if (ends.empty()) warn_of_closed_ends(closed_ends);
     for (const FlatEnd& end : ends)
       if (std::ranges::none_of(tried, [&](const Vec3& tip) { return is_at_end(tip, std::span(&end, 1)); }))

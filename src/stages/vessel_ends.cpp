@@ -20,28 +20,10 @@
 #include "lumesh/mesh/patch_renaming.hpp"
 #include "lumesh/stages/input_cuts.hpp"
 #include "lumesh/stages/input_parts.hpp"
-#include "vessel_axes.hpp"
+#include "lumesh/vessels/vessel_axes.hpp"
 
 namespace lumesh {
 namespace {
-
-/// A vessel is a good deal longer than wide.
-bool is_vessel(const Polylines& lines, const std::vector<std::uint32_t>& line) {
-  constexpr double kRadii = 2;
-  double radius_mm = 0;
-  for (const std::uint32_t p : line) radius_mm = std::max(radius_mm, lines.scalars.at("radius")[p]);
-  return length_mm(lines, line) > kRadii * radius_mm;
-}
-
-/// Whether a branch leaves another line there.
-bool is_on_another(const Polylines& lines, const std::vector<std::uint32_t>& line, std::uint32_t tip) {
-  const double near_mm = 0.5 * lines.scalars.at("radius")[tip];
-  return std::ranges::any_of(lines.lines, [&](const auto& other) {
-    return &other != &line && std::ranges::any_of(other, [&](std::uint32_t p) {
-      return (lines.points[p] - lines.points[tip]).norm() < near_mm;
-    });
-  });
-}
 
 /// Points of a line, one radius and two from its end on.
 std::vector<Vec3> places_up(const Polylines& lines, std::span<const std::uint32_t> from_tip,
@@ -63,24 +45,6 @@ bool is_at_opening(const Vec3& place, double radius_mm, const Opening& opening) 
 }
 
 }  // namespace
-
-std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines) {
-  std::vector<std::vector<std::uint32_t>> from_ends;
-  for (const auto& line : lines.lines) {
-    if (line.size() < 2 || line.front() == line.back() || !is_vessel(lines, line)) continue;
-    const std::vector<std::uint32_t> reversed(line.rbegin(), line.rend());
-    for (const auto* from_tip : {&line, &reversed})
-      if (!is_on_another(lines, line, from_tip->front())) from_ends.push_back(*from_tip);
-  }
-  return from_ends;
-}
-
-std::vector<double> lengths_along(const Polylines& lines, std::span<const std::uint32_t> line) {
-  std::vector<double> lengths_mm(line.size(), 0);
-  for (std::size_t i = 1; i < line.size(); ++i)
-    lengths_mm[i] = lengths_mm[i - 1] + (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
-  return lengths_mm;
-}
 
 std::vector<VesselEnd> vessel_ends(const Polylines& lines, double min_radius_mm,
                                    std::span<const Opening> openings) {

@@ -23,13 +23,6 @@ struct VesselEnd {
   std::string refusal = {};           ///< Why it cannot be, if it was tried.
 };
 
-/// Points of each line of a vessel from its end on, for each end that is on no other line.
-/// @param lines  With the scalar "radius" in mm.
-[[nodiscard]] std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines);
-
-/// Length of a line from its first point to each of its points, in mm.
-[[nodiscard]] std::vector<double> lengths_along(const Polylines& lines, std::span<const std::uint32_t> line);
-
 /// Ends of centerlines that lie at no opening, by falling radius: vessels that were segmented so far only,
 /// and bulges; of lines more than twice as long as their largest radius.
 /// @param lines  With the scalar "radius" in mm. @param min_radius_mm  Thinner ones are left out.

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "lumesh/stages/opening_sections.hpp"
+#include "lumesh/vessels/opening_sections.hpp"
 
 namespace lumesh {
 

@@ -8,7 +8,7 @@
 
 #include "fixtures/images.hpp"
 #include "lumesh/domain/image_domain.hpp"
-#include "lumesh/stages/opening_sections.hpp"
+#include "lumesh/vessels/opening_sections.hpp"
 
 namespace lumesh {
 namespace {

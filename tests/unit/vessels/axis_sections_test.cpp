@@ -1,5 +1,5 @@
 // Sections of vessels and the direction of their axes, against tubes given by formulas.
-#include "../src/stages/axis_sections.hpp"
+#include "lumesh/vessels/axis_sections.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vessel_axes.hpp"
+#include "lumesh/vessels/vessel_axes.hpp"
 
 #include <fmt/core.h>
 
@@ -14,11 +14,28 @@
 #include "lumesh/geometry/cut_part.hpp"
 #include "lumesh/geometry/triangle.hpp"
 #include "lumesh/image/topology.hpp"
-#include "lumesh/stages/vessel_ends.hpp"
 #include "lumesh/surface/shells.hpp"
 
 namespace lumesh {
 namespace {
+
+/// A vessel is a good deal longer than wide.
+bool is_vessel(const Polylines& lines, const std::vector<std::uint32_t>& line) {
+  constexpr double kRadii = 2;
+  double radius_mm = 0;
+  for (const std::uint32_t p : line) radius_mm = std::max(radius_mm, lines.scalars.at("radius")[p]);
+  return length_mm(lines, line) > kRadii * radius_mm;
+}
+
+/// Whether a branch leaves another line there.
+bool is_on_another(const Polylines& lines, const std::vector<std::uint32_t>& line, std::uint32_t tip) {
+  const double near_mm = 0.5 * lines.scalars.at("radius")[tip];
+  return std::ranges::any_of(lines.lines, [&](const auto& other) {
+    return &other != &line && std::ranges::any_of(other, [&](std::uint32_t p) {
+      return (lines.points[p] - lines.points[tip]).norm() < near_mm;
+    });
+  });
+}
 
 template <class Extract>
 Polylines axes_or_none(const Extract& extract) {
@@ -200,7 +217,72 @@ void turn_square_or_throw(AxisPlace& place, const AxisAtPlace& axis_at_place) {
                     ", where vessels join, bend sharply or are thin; cut it with `cut_plane`");
 }
 
+/// Cuts off one end after the other.
+class EndCutting {
+ public:
+  EndCutting(const Polylines& lines, const EndCuts& how, const std::vector<CutPlane>& before)
+      : lines_(lines), how_(how), before_(before) {}
+
+  /// Cuts a line's first end off. @return  What to say of the cut, or nothing.
+  /// @throws Error{kBadInput} if it cannot be.
+  std::string cut(const std::vector<std::uint32_t>& from_end) const {
+    const Vec3& end = lines_.points[from_end.front()];
+    AxisPlace found = place_before(from_end, how_.length);
+    const double asked_mm = found.across.height(end);
+    double min_mm = shape_at(end, found).depth_mm;
+    if (min_mm > asked_mm) found = place_before(from_end, {min_mm});
+    turn_square_or_throw(found, how_.axis_at_place);
+    const EndShape shape = shape_at(end, found);
+    if (shape.depth_mm > std::max(min_mm, asked_mm)) {  // It reaches farther back along that direction.
+      min_mm = shape.depth_mm;
+      found = place_before(from_end, {min_mm});
+      turn_square_or_throw(found, how_.axis_at_place);
+    }
+    allow_sections_of(shape.section_mm2, kMaxWideningAtEnds, found);
+    how_.cut(found);
+    if (min_mm <= asked_mm) return "";
+    return fmt::format("is cut {:.3g} mm before it, not {:.3g} mm: the vessel is cut off obliquely there",
+                       min_mm, asked_mm);
+  }
+
+ private:
+  /// The place so far before the end, its plane's normal towards the end.
+  [[nodiscard]] AxisPlace place_before(const std::vector<std::uint32_t>& from_end,
+                                       const LocalLength& from_tip) const {
+    const std::optional<Vec3> place = place_up(lines_, from_end, from_tip);
+    if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
+    AxisPlace found = axis_at(lines_, *place, before_);
+    found.across = towards_end(found, lines_.points[from_end.front()]);
+    return found;
+  }
+  [[nodiscard]] EndShape shape_at(const Vec3& end, const AxisPlace& place) const {
+    return how_.shape_of(end, place.across.normal, place.radius_mm);
+  }
+
+  const Polylines& lines_;
+  const EndCuts& how_;
+  const std::vector<CutPlane>& before_;
+};
+
 }  // namespace
+
+std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines) {
+  std::vector<std::vector<std::uint32_t>> from_ends;
+  for (const auto& line : lines.lines) {
+    if (line.size() < 2 || line.front() == line.back() || !is_vessel(lines, line)) continue;
+    const std::vector<std::uint32_t> reversed(line.rbegin(), line.rend());
+    for (const auto* from_tip : {&line, &reversed})
+      if (!is_on_another(lines, line, from_tip->front())) from_ends.push_back(*from_tip);
+  }
+  return from_ends;
+}
+
+std::vector<double> lengths_along(const Polylines& lines, std::span<const std::uint32_t> line) {
+  std::vector<double> lengths_mm(line.size(), 0);
+  for (std::size_t i = 1; i < line.size(); ++i)
+    lengths_mm[i] = lengths_mm[i - 1] + (lines.points[line[i]] - lines.points[line[i - 1]]).norm();
+  return lengths_mm;
+}
 
 Polylines axes_if_any(const LabelImage& image, std::span<const CutPlane> cuts) {
   return axes_or_none([&](Context& quiet) { return extract_centerline(image, cuts, {}, quiet); });
@@ -264,45 +346,21 @@ AxisPlace square_axis_at(const Polylines& lines, const Vec3& place, std::span<co
   return found;
 }
 
-std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
-                           const std::function<bool(std::uint32_t)>& is_end, const ShapeOfEnd& shape_of,
-                           const AxisAtPlace& axis_at_place, const std::vector<CutPlane>& before,
-                           const std::function<void(const AxisPlace&)>& cut, const Context& context) {
+std::vector<Vec3> cut_ends(const Polylines& lines, const EndCuts& how, const std::vector<CutPlane>& before,
+                           const Context& context) {
+  const EndCutting cutting(lines, how, before);
   std::vector<Vec3> ends;
   for (const std::vector<std::uint32_t>& from_end : lines_from_ends(lines)) {
-    if (!is_end(from_end.front())) continue;
-    const Vec3& end = lines.points[from_end.front()];
-    ends.push_back(end);
-    const auto place_before = [&](const LocalLength& from_tip) {
-      const std::optional<Vec3> place = place_up(lines, from_end, from_tip);
-      if (!place) throw Error(ErrorKind::kBadInput, "its vessel is not as long");
-      AxisPlace found = axis_at(lines, *place, before);
-      found.across = towards_end(found, end);
-      return found;
-    };
+    if (!how.is_end(from_end.front())) continue;
+    ends.push_back(lines.points[from_end.front()]);
+    const std::string end =
+        fmt::format("{}: the end at {} ", option_name("clip_ends"), place_text(ends.back()));
     try {
-      AxisPlace found = place_before(length);
-      const double asked_mm = found.across.height(end);
-      double min_mm = shape_of(end, found.across.normal, found.radius_mm).depth_mm;
-      if (min_mm > asked_mm) found = place_before({min_mm});
-      turn_square_or_throw(found, axis_at_place);
-      EndShape shape = shape_of(end, found.across.normal, found.radius_mm);
-      if (shape.depth_mm > std::max(min_mm, asked_mm)) {  // It reaches farther back along that direction.
-        min_mm = shape.depth_mm;
-        found = place_before({min_mm});
-        turn_square_or_throw(found, axis_at_place);
-      }
-      allow_sections_of(shape.section_mm2, kMaxWideningAtEnds, found);
-      cut(found);
-      if (min_mm > asked_mm)
-        context.warn(
-            fmt::format("{}: the end at {} is cut {:.3g} mm before it, not {:.3g} mm: the vessel is cut off "
-                        "obliquely there",
-                        option_name("clip_ends"), place_text(end), min_mm, asked_mm));
+      const std::string note = cutting.cut(from_end);
+      if (!note.empty()) context.warn(end + note);
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kBadInput) throw;
-      context.warn(fmt::format("{}: the end at {} stays: {}", option_name("clip_ends"), place_text(end),
-                               error.what()));
+      context.warn(end + "stays: " + error.what());
     }
   }
   return ends;

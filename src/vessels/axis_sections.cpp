@@ -1,4 +1,4 @@
-#include "axis_sections.hpp"
+#include "lumesh/vessels/axis_sections.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

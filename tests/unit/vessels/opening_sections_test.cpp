@@ -1,5 +1,5 @@
 // Openings at the border against the voxels there: what is right is not doubted, what is wrong is told.
-#include "lumesh/stages/opening_sections.hpp"
+#include "lumesh/vessels/opening_sections.hpp"
 
 #include <gtest/gtest.h>
 

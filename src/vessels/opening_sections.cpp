@@ -1,4 +1,4 @@
-#include "lumesh/stages/opening_sections.hpp"
+#include "lumesh/vessels/opening_sections.hpp"
 
 #include <fmt/core.h>
 #include <fmt/format.h>

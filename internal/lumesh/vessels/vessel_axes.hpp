@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "axis_sections.hpp"
 #include "lumesh/centerline/centerline.hpp"
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/domain.hpp"
@@ -17,6 +16,7 @@
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/mesh/polylines.hpp"
+#include "lumesh/vessels/axis_sections.hpp"
 
 namespace lumesh {
 
@@ -30,6 +30,13 @@ struct AxisPlace {
   double vessel_mm2 = 0;         ///< Area of the vessel across the axis; 0 if it is not known.
   bool is_doubtful = false;      ///< Its direction is the line's alone, as sections do not tell it.
 };
+
+/// Points of each line of a vessel from its end on, for each end that is on no other line.
+/// @param lines  With the scalar "radius" in mm.
+[[nodiscard]] std::vector<std::vector<std::uint32_t>> lines_from_ends(const Polylines& lines);
+
+/// Length of a line from its first point to each of its points, in mm.
+[[nodiscard]] std::vector<double> lengths_along(const Polylines& lines, std::span<const std::uint32_t> line);
 
 /// Axes of the largest piece of an image that planes cut, without what is warned of; none where it is not
 /// longer than wide.
@@ -69,22 +76,21 @@ using AxisAtPlace = std::function<AxisDirection(const AxisPlace& place)>;
 [[nodiscard]] AxisPlace square_axis_at(const Polylines& lines, const Vec3& place,
                                        std::span<const CutPlane> before, const AxisAtPlace& axis_at_place);
 
-/// Has the vessels cut at so far from each of their ends; an end that cannot be cut off stays, with a
-/// warning.
-/// An end that an opening cuts off obliquely is cut farther inside where the cut would meet the opening, with
-/// a warning.
-/// @param shape_of  Shape of the opening at an end, beside an axis of this radius. @param axis_at_place
-/// Where it has none, the end stays, with a warning.
-/// @param lines  As above. @param is_end  Whether the end of a line at this point is one to cut off.
-/// @param before  Cuts that were made; may grow by `cut`.
-/// @param cut  Cuts at a place whose normal points to the end. @throws Error{kBadInput} if it cannot be.
-/// @return  These ends.
-[[nodiscard]] std::vector<Vec3> cut_ends(const Polylines& lines, const LocalLength& length,
-                                         const std::function<bool(std::uint32_t)>& is_end,
-                                         const ShapeOfEnd& shape_of, const AxisAtPlace& axis_at_place,
-                                         const std::vector<CutPlane>& before,
-                                         const std::function<void(const AxisPlace&)>& cut,
-                                         const Context& context);
+/// How ends of vessels are cut off.
+struct EndCuts {
+  LocalLength length;                         ///< How far before each end.
+  std::function<bool(std::uint32_t)> is_end;  ///< Whether the end of a line at this point is one to cut off.
+  ShapeOfEnd shape_of;        ///< Shape of the opening at an end, beside an axis of this radius.
+  AxisAtPlace axis_at_place;  ///< An end stays where it has no direction.
+  /// Cuts at a place whose normal points to the end. @throws Error{kBadInput} if it cannot be.
+  std::function<void(const AxisPlace&)> cut;
+};
+
+/// Has the ends of vessels cut off; an end that cannot be stays, with a warning. An end that an opening cuts
+/// off obliquely is cut farther inside where the cut would meet the opening, with a warning.
+/// @param lines  As above. @param before  Cuts that were made; may grow by `cut`. @return  These ends.
+[[nodiscard]] std::vector<Vec3> cut_ends(const Polylines& lines, const EndCuts& how,
+                                         const std::vector<CutPlane>& before, const Context& context);
 
 /// What to say of a cut whose section is much wider than the vessel, or whose direction is doubtful; empty
 /// otherwise.
