@@ -61,6 +61,11 @@ class Band {
   /// Voxels whose side is to be kept: those of the image, and ghosts that no cut of the object is near.
   [[nodiscard]] std::uint8_t held(int segment) const { return held_[index(segment)]; }
   [[nodiscard]] std::uint8_t in_image(int segment) const { return in_image_[index(segment)]; }
+  /// Voxels of the image on the plus side, which is the object of the outer wall.
+  [[nodiscard]] std::uint8_t object(int segment) const {
+    return static_cast<std::uint8_t>(alive(segment) & plus(segment) & in_image(segment));
+  }
+  [[nodiscard]] bool is_object(Lane lane) const { return has(object(lane / kLanes), lane % kLanes); }
   /// Voxels with a face to the other side.
   [[nodiscard]] std::uint8_t boundary(int segment) const { return boundary_[index(segment)]; }
   /// Voxels with a face between them and the next voxel along the axis.

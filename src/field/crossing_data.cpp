@@ -1,6 +1,8 @@
 #include "crossing_data.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "lumesh/core/wide.hpp"
 #include "segment_loops.hpp"
@@ -10,7 +12,7 @@ namespace lumesh::field {
 
 namespace {
 
-constexpr float kMaxError = 0.5F;   // of the function at a crossing, as it counts in the variance
+constexpr float kMaxError = 0.5F;   // of the function at a crossing, as it counts in the deviation
 constexpr double kMinError = 0.02;  // standard deviation that interpolation along an edge leaves at least
 
 struct AtCrossings {
@@ -31,22 +33,19 @@ template <int axis>
   return {at(t), at(Lanes{} + 0.5F)};
 }
 
-/// Squares of the function at crossings, and how many.
+/// Sizes of the function at crossings, and how many.
 struct Errors {
-  double squares = 0, count = 0;
+  double sizes = 0, count = 0;
 };
 
 template <int axis>
-[[gnu::always_inline]] inline void place_entry(const Stencil& u, const Lanes& t, float* middles,
-                                               Lanes& squares, Lanes& count) {
+[[gnu::always_inline]] inline void place_entry(const Stencil& u, const Lanes& t, float* middles, Lanes& sizes,
+                                               Lanes& count) {
   const LaneMask known = t > Lanes{};
   const AtCrossings f = at_crossings<axis>(u, t);
   store(middles, keep(f.middle - f.value, known));
-  Lanes error = keep(f.value, known);
-  error = error > Lanes{} + kMaxError   ? Lanes{} + kMaxError
-          : error < Lanes{} - kMaxError ? Lanes{} - kMaxError
-                                        : error;
-  squares += error * error;
+  const Lanes size = keep(f.value < Lanes{} ? -f.value : f.value, known);
+  sizes += size > Lanes{} + kMaxError ? Lanes{} + kMaxError : size;
   count += keep(Lanes{} + 1.0F, known);
 }
 
@@ -57,15 +56,15 @@ LUMESH_WIDE_LOOPS Errors place_block(const Band& band, const LaneArray& values, 
     int entry = band.first_entry(s);
     if (entry == band.first_entry(s + 1)) continue;
     const Stencil u = gather(band.rows(s), s, values.data());
-    Lanes squares = {}, count = {};
+    Lanes sizes = {}, count = {};
     const auto middles = [&] { return &faces.middles[static_cast<std::size_t>(entry) * kLanes]; };
     if (band.faces(s, 0) != 0)
-      place_entry<0>(u, load(band.crossings(entry)), middles(), squares, count), ++entry;
+      place_entry<0>(u, load(band.crossings(entry)), middles(), sizes, count), ++entry;
     if (band.faces(s, 1) != 0)
-      place_entry<1>(u, load(band.crossings(entry)), middles(), squares, count), ++entry;
+      place_entry<1>(u, load(band.crossings(entry)), middles(), sizes, count), ++entry;
     if (band.faces(s, 2) != 0)
-      place_entry<2>(u, load(band.crossings(entry)), middles(), squares, count), ++entry;
-    errors.squares += static_cast<double>(sum(squares));
+      place_entry<2>(u, load(band.crossings(entry)), middles(), sizes, count), ++entry;
+    errors.sizes += static_cast<double>(sum(sizes));
     errors.count += static_cast<double>(sum(count));
   }
   return errors;
@@ -81,15 +80,15 @@ Errors place_all(FitState& state) {
                            state.energy.faces);
       },
       [](const Errors& a, const Errors& b) {
-        return Errors{a.squares + b.squares, a.count + b.count};
+        return Errors{a.sizes + b.sizes, a.count + b.count};
       });
 }
 
 /// A row's weight: the face's area by twelve times the variance; 12 stands in the variance of faces of which
 /// only the labels are known, too, so that this is at least their weight where the normal is the axis.
-void weigh_crossings(double variance, FitState& state) {
+void weigh_crossings(double deviation, FitState& state) {
   const Band& band = state.band;
-  const double volume = band.edges().prod(), trust = std::max(1.0, 1 / (12 * variance));
+  const double volume = band.edges().prod(), trust = std::max(1.0, 1 / (12 * deviation * deviation));
   const Vec3 weights = (trust * volume) * band.edges().cwiseInverse();
   for_each_segment_block(band.end(), [&](int begin, int end) {
     for (int s = begin; s < end; ++s) {
@@ -107,12 +106,17 @@ void weigh_crossings(double variance, FitState& state) {
 
 }  // namespace
 
-void place_crossings(FitState& state) {
-  if (!state.band.has_crossings()) return;
+double place_crossings(double max_deviation, FitState& state) {
+  if (!state.band.has_crossings()) return max_deviation;
   state.energy.faces.middles.resize(static_cast<std::size_t>(state.band.entry_count()) * kLanes, 0.0F);
   const Errors errors = place_all(state);
-  if (errors.count == 0) return;
-  weigh_crossings(std::max(errors.squares / errors.count, kMinError * kMinError), state);
+  if (errors.count == 0) return max_deviation;
+  // By their mean size, which few places that the function does not reach, as where vessels join, raise less
+  // than their squares.
+  const double by_sizes = std::sqrt(std::numbers::pi / 2) * errors.sizes / errors.count;
+  const double deviation = std::clamp(by_sizes, kMinError, std::max(kMinError, max_deviation));
+  weigh_crossings(deviation, state);
+  return deviation;
 }
 
 }  // namespace lumesh::field

@@ -26,14 +26,6 @@ struct Following {
 };
 constexpr std::array<Following, 3> kFollowing = {{{-1, 1}, {kY1, 0}, {kZ1, 0}}};
 
-std::uint8_t object_bits(const Band& band, int segment) {
-  return static_cast<std::uint8_t>(band.alive(segment) & band.plus(segment) & band.in_image(segment));
-}
-
-bool is_object(const Band& band, Lane lane) {
-  return Band::has(object_bits(band, lane / kLanes), lane % kLanes);
-}
-
 bool is_in_band(const Band& band, Lane lane) {
   const int segment = lane / kLanes;
   return segment > 0 && segment < band.end() &&
@@ -44,7 +36,7 @@ bool is_in_band(const Band& band, Lane lane) {
 template <class Visit>
 void for_each_object_pair(const Band& band, const Visit& visit) {
   for (int s = 1; s < band.end(); ++s) {
-    const std::uint8_t own = object_bits(band, s);
+    const std::uint8_t own = band.object(s);
     if (own == 0) continue;
     for (const Following& f : kFollowing) {
       const int segment = f.row < 0 ? s : band.rows(s)[static_cast<std::size_t>(f.row)];
@@ -53,7 +45,7 @@ void for_each_object_pair(const Band& band, const Visit& visit) {
         if (!Band::has(own, lane)) continue;
         // Lanes of the segments before and behind in memory are alive only where they are neighbours.
         const Lane other = segment * kLanes + lane + f.shift;
-        if (other < band.end() * kLanes && is_object(band, other)) visit(s * kLanes + lane, other);
+        if (other < band.end() * kLanes && band.is_object(other)) visit(s * kLanes + lane, other);
       }
     }
   }
@@ -76,7 +68,7 @@ FacingWalls::FacingWalls(const Band& band) : band_(band) {
   const parallel::Adjacency facing = facing_cells();
   if (facing.items.empty()) return;
   lanes_ = parallel::group_by_owner(cell_of_.size(), cell_count_, [&](std::size_t lane) {
-    const bool counts = cell_of_[lane] != 0 && is_object(band_, static_cast<Lane>(lane));
+    const bool counts = cell_of_[lane] != 0 && band_.is_object(static_cast<Lane>(lane));
     return std::span<const Cell>(&cell_of_[lane], counts ? 1 : 0);
   });
   choose_parts(facing);
@@ -87,7 +79,7 @@ void FacingWalls::find_cells() {
   DisjointSets sets(lanes);
   std::vector<std::uint64_t> cube(lanes, 0);
   for (int s = 1; s < band_.end(); ++s) {
-    const std::uint8_t own = object_bits(band_, s);
+    const std::uint8_t own = band_.object(s);
     for (int lane = 0; own != 0 && lane < kLanes; ++lane) {
       if (!Band::has(own, lane)) continue;
       const Index3 c = band_.voxel(s * kLanes + lane) / kCube;
@@ -103,7 +95,7 @@ void FacingWalls::find_cells() {
   cell_of_.assign(lanes, 0);
   Cell next = 1;
   for (int s = 1; s < band_.end(); ++s) {
-    const std::uint8_t own = object_bits(band_, s);
+    const std::uint8_t own = band_.object(s);
     for (int lane = 0; own != 0 && lane < kLanes; ++lane) {
       if (!Band::has(own, lane)) continue;
       const auto at = static_cast<std::uint32_t>(s * kLanes + lane);
@@ -145,7 +137,7 @@ std::vector<std::array<FacingWalls::Cell, 2>> FacingWalls::met_cells() {
     if (reached == 0) {
       reached = own;
       next.push_back(other);
-    } else if (reached != own && !(is_object(band_, lane) && is_object(band_, other))) {
+    } else if (reached != own && !(band_.is_object(lane) && band_.is_object(other))) {
       const std::array<Cell, 2> pair = {std::min(own, reached), std::max(own, reached)};
       if (pair == last) return;
       last = pair;
@@ -287,7 +279,7 @@ WallPart FacingWalls::part(std::size_t number) const {
     part.image.at(voxel - part.first) = steps <= kInnerSteps ? WallPart::kInner : WallPart::kMargin;
     // What is too deep for the band is of the object, too.
     for_each_place(voxel - Index3::Ones(), voxel + Index3::Ones(), [&](const Index3& beside) {
-      if (whole.contains(beside) && image.at(beside) != 0 && !is_object(band_, band_.lane_of(beside)))
+      if (whole.contains(beside) && image.at(beside) != 0 && !band_.is_object(band_.lane_of(beside)))
         part.image.at(beside - part.first) = WallPart::kMargin;
     });
     for (int axis = 0; steps <= kOwnSteps && axis < 3; ++axis) {

@@ -39,6 +39,7 @@ constexpr int kStartMeans = 4;      // of the start: a standard deviation of 1.4
 constexpr float kKeptThin = 0.03F;  // … and what thin parts and saddles keep at the end
 constexpr float kKeptSaddle = 0.05F;
 constexpr float kKeptExact = 0.001F;
+constexpr double kMaxDeviation = 0.5;
 constexpr float kMaxPutRight = 0.2F;  // voxels that are wrong by more are noise
 
 /// Copies the start and makes it NaN outside the band.
@@ -53,9 +54,11 @@ LaneArray start_of(const Band& band) {
 
 class Fit {
  public:
-  Fit(const Band& band, BoundaryFidelity fidelity)
+  /// @param max_deviation  Of the values that place crossings, as far as it is known.
+  Fit(const Band& band, BoundaryFidelity fidelity, double max_deviation = kMaxDeviation)
       : state_(band),
         fidelity_(fidelity),
+        max_deviation_(max_deviation),
         stiffness_(std::in_place, begin(state_), noise(), state_),
         solver_(std::in_place, state_) {}
 
@@ -83,6 +86,9 @@ class Fit {
     keep_connections(state_.band, around_thin_, state_.values);
     for (const Saddle& saddle : state_.band.saddles()) keep_apart(saddle);
   }
+
+  /// Standard deviation of the values that place crossings.
+  [[nodiscard]] double deviation() const { return deviation_; }
 
   /// Around each lane, which of the object's voxels with a face are of a part's inner ones, as a share.
   LaneArray inner_shares() {
@@ -120,7 +126,7 @@ class Fit {
     find_thin_parts(state.values, state);
     for (int i = 1; i < kStartMeans; ++i) binomial_mean(state.band, state.values, scratch);
     set_face_weights(state.values, state);
-    place_crossings(state);
+    place_crossings(kMaxDeviation, state);
     return state.values;
   }
 
@@ -128,7 +134,7 @@ class Fit {
     if (solve > 0) {
       damped_.restore(state_);
       if (solve <= kWeighings) set_face_weights(state_.values, state_);
-      place_crossings(state_);
+      deviation_ = place_crossings(max_deviation_, state_);
       set_outliers_aside();
       using Step = StiffnessAdaptation::Step;
       if (solve <= kSoftenings + 1 &&
@@ -218,6 +224,7 @@ class Fit {
 
   FitState state_;
   BoundaryFidelity fidelity_;
+  double max_deviation_, deviation_ = kMaxDeviation;
   float longest_edge_ = static_cast<float>(state_.band.edges().maxCoeff());
   std::optional<StiffnessAdaptation> stiffness_;
   std::optional<ConjugateGradients> solver_;
@@ -260,10 +267,10 @@ struct PartValue {
 };
 
 std::vector<PartValue> fit_part(const FacingWalls& walls, std::size_t number, const Band& whole,
-                                BoundaryFidelity fidelity) {
+                                BoundaryFidelity fidelity, double max_deviation) {
   const WallPart part = walls.part(number);
   const Band band(part.image, part.faces);
-  Fit fit(band, fidelity);
+  Fit fit(band, fidelity, max_deviation);
   const LaneArray& values = fit.solve();
   const LaneArray shares = fit.inner_shares();
   std::vector<PartValue> result;
@@ -298,12 +305,12 @@ LaneArray take_own_values(const std::vector<std::vector<PartValue>>& parts, cons
 
 /// Replaces the common function where walls face each other by those of each alone, of which the greater one
 /// is the union's. They fade into the common one along the wall.
-void fit_facing_walls(const Band& band, BoundaryFidelity fidelity, LaneArray& values) {
+void fit_facing_walls(const Band& band, BoundaryFidelity fidelity, double max_deviation, LaneArray& values) {
   const FacingWalls walls(band);
   if (walls.part_count() == 0) return;
   std::vector<std::vector<PartValue>> parts(walls.part_count());
-  parallel::for_each_task(parts.size(),
-                          [&](std::size_t p) { parts[p] = fit_part(walls, p, band, fidelity); });
+  parallel::for_each_task(
+      parts.size(), [&](std::size_t p) { parts[p] = fit_part(walls, p, band, fidelity, max_deviation); });
   const LaneArray shares = take_own_values(parts, band, values);
   const LaneArray own = values;
   for (const auto& part : parts)
@@ -360,7 +367,7 @@ LaneArray fit(const Band& band, const PairFaces& faces, BoundaryFidelity fidelit
     if (const auto lumens = find_unlabelled_lumens(band.image(), faces))
       fit_around_lumens(*lumens, band, fidelity, values);
     else
-      fit_facing_walls(band, fidelity, values);
+      fit_facing_walls(band, fidelity, fit.deviation(), values);
   }
   fit.keep_sides();
   return std::move(values);

@@ -11,7 +11,8 @@ namespace {
 constexpr float kMinSlope = 0.6F;   // of the distance, which has slope 1 but on its medial axis
 constexpr float kMinDistance = 1;   // from the wall: nearer ones are the voxels' stairs
 constexpr float kMinAround = 0.5F;  // the same of the voxels around
-constexpr int kReach = 2;           // of these
+constexpr int kReach = 2;           // of these, and around narrow gaps
+constexpr int kNarrow = 3;          // voxels in a row
 
 /// Signed distances within the image, NaN elsewhere.
 LUMESH_WIDE_LOOPS void set_distances(const Band& band, int begin, int end, LaneArray& distances) {
@@ -54,6 +55,26 @@ LUMESH_WIDE_LOOPS void dilate(const Band& band, const LaneArray& marks, int axis
   }
 }
 
+/// Voxels of background from one beside the object on, along an axis: how many there are with it to the next
+/// of the object, or one more than are narrow.
+int run_of_background(const Band& band, Lane voxel, const Index3& step) {
+  int length = 1;
+  for (; length <= kNarrow; ++length) {
+    const Index3 off = length * step;
+    if (band.is_object(band.neighbour(voxel, off.x(), off.y(), off.z()))) break;
+  }
+  return length;
+}
+
+bool is_in_narrow_gap(const Band& band, Lane voxel) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const Index3 next = Index3::Unit(axis);
+    if (run_of_background(band, voxel, next) + run_of_background(band, voxel, -next) - 1 <= kNarrow)
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> around_medial_axis(const Band& band) {
@@ -77,6 +98,25 @@ std::vector<std::uint8_t> around_medial_axis(const Band& band) {
         if (marks.at(s)[lane] > 0 && band.start().at(s)[lane] <= -kMinAround)
           around[static_cast<std::size_t>(s)] |= static_cast<std::uint8_t>(1U << lane);
   });
+  return around;
+}
+
+std::vector<std::uint8_t> around_narrow_gaps(const Band& band, const std::vector<std::uint8_t>& among) {
+  std::vector<std::uint8_t> around(band.segment_count(), 0);
+  if (!band.is_outer_wall()) return around;
+  for (int s = 1; s < band.end(); ++s) {
+    const auto beside_object = static_cast<std::uint8_t>(among[static_cast<std::size_t>(s)] &
+                                                         band.boundary(s) & ~band.plus(s) & band.in_image(s));
+    for (int lane = 0; beside_object != 0 && lane < kLanes; ++lane) {
+      const Lane voxel = s * kLanes + lane;
+      if (!Band::has(beside_object, lane) || !is_in_narrow_gap(band, voxel)) continue;
+      for_each_place(Index3::Constant(-kReach), Index3::Constant(kReach), [&](const Index3& off) {
+        const Lane near = band.neighbour(voxel, off.x(), off.y(), off.z());
+        around[static_cast<std::size_t>(near / kLanes)] |=
+            static_cast<std::uint8_t>(1U << static_cast<unsigned>(near % kLanes));
+      });
+    }
+  }
   return around;
 }
 

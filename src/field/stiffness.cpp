@@ -330,6 +330,11 @@ void StiffnessAdaptation::find_border(const Band& band) {
         near_border_[at] = static_cast<std::uint8_t>(near_border_[at] | 1U << static_cast<unsigned>(lane));
     }
   });
+  // A smooth function bridges a narrow gap, and softer ones are wanted there more than anywhere.
+  const Bits gaps = around_narrow_gaps(band, near_border_);
+  for_each_segment(band.end(), [&](int, std::size_t at) {
+    near_border_[at] = static_cast<std::uint8_t>(near_border_[at] & ~gaps[at]);
+  });
 }
 
 /// Two walls have no smooth function in common: stiff ones between them would bend both where little else
