@@ -40,6 +40,11 @@ struct Rim {
     constexpr double kShare = 0.02;  // Of an edge.
     return deviation_mm <= kShare * mean_edge_mm;
   }
+  /// True if all vertices lie in one plane, up to rounding.
+  [[nodiscard]] bool is_planar() const {
+    constexpr double kShare = 1e-4;  // Of an edge.
+    return deviation_mm <= kShare * mean_edge_mm;
+  }
   [[nodiscard]] bool is_flat() const { return deviation_mm <= kMaxBent * radius_mm; }
 };
 

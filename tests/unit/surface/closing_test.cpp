@@ -345,9 +345,24 @@ TEST(FillHole, FollowsTheWallAround) {
 }
 
 /// Too coarse to be openings; but a wall runs up to each, which is told.
-TEST(CloseSurface, SeesWallsThatRunUpToFourToSevenEdges) {
+TEST(CloseSurface, CapsPlanarEndsOfFourToSevenEdges) {
+  for (const std::uint32_t around : {4U, 5U, 6U, 7U}) {
+    // Turned at random, so that ends are planar up to rounding.
+    TriangleMesh tube = open_tube({.radius_mm = 2, .length_mm = 12, .around = around});
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    for (Vec3& p : tube.points) p = turn * p + Vec3(101.3, -57.1, 12.9);
+    const ClosedSurfaceMade made = closed(tube);
+    ASSERT_EQ(made.rims.size(), 2u) << around;
+    for (const ClosedRim& rim : made.rims) EXPECT_TRUE(rim.is_opening) << around;
+  }
+}
+
+TEST(CloseSurface, SeesWallsThatRunUpToFourToSevenBentEdges) {
   for (const std::uint32_t around : {4U, 5U, 7U}) {
-    const ClosedSurfaceMade made = closed(open_tube({.radius_mm = 2, .length_mm = 12, .around = around}));
+    TriangleMesh tube = open_tube({.radius_mm = 2, .length_mm = 12, .around = around});
+    for (Vec3& p : tube.points)
+      if (p.x() > 0.5) p.z() += 0.1;
+    const ClosedSurfaceMade made = closed(tube);
     ASSERT_EQ(made.rims.size(), 2u) << around;
     for (const ClosedRim& rim : made.rims) EXPECT_TRUE(!rim.is_opening && rim.ends_wall) << around;
   }
