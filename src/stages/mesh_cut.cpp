@@ -98,6 +98,11 @@ std::vector<Patch> drop_empty_patches(MixedMesh& mesh) {
   return gone;
 }
 
+/// Whether an opening made by a cut is the one that was cut off: of the same label, if its file knew that.
+bool may_replace(const Patch& made, const Patch& lost) {
+  return lost.labels[0] == kBackground || lost.labels[0] == made.labels[0];
+}
+
 /// Angle inside a mesh between two of its faces, whose normals point out of it.
 double angle_inside_deg(const Vec3& one, const Vec3& other) {
   return degrees(std::acos(std::clamp(-one.dot(other), -1.0, 1.0)));
@@ -157,7 +162,7 @@ CutMesh cut_mesh(MixedMesh& mesh, std::span<const CutPlane> planes) {
       if (patch.kind == PatchKind::kOpening) lost.push_back(std::move(patch));
     }
     const std::size_t first = mesh.info.patches.size() - new_count;
-    if (lost.size() == 1 && new_count == 1)
+    if (lost.size() == 1 && new_count == 1 && may_replace(mesh.info.patches[first], lost[0]))
       mesh.info.patches[first] = std::move(lost[0]);
     else
       NewNames(mesh, static_cast<std::int32_t>(first));

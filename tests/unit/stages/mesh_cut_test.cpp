@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -55,6 +56,18 @@ TEST(MeshCut, TheOpeningInPlaceOfOneKeepsWhatUsersSayOfIt) {
   ASSERT_EQ(made.openings.size(), 1u);
   EXPECT_EQ(made.openings[0].name, "ICA");
   EXPECT_EQ(mesh.info.patches.back().flow, FlowSide::kOutlet);
+}
+
+TEST(MeshCut, TheOpeningOfALabelThatIsGoneIsNotThatOfAnother) {
+  MixedMesh mesh = fixtures::mixed_of(fixtures::cube_grid(4).build());
+  static_cast<void>(cut_mesh(mesh, std::vector<CutPlane>{{Vec3(0, 0, 3.4), Vec3::UnitZ()}}));
+  const std::array<Label, 2> labels = mesh.info.patches.back().labels;
+  mesh.info.patches.back().name = "outlet_1_label_7";
+  mesh.info.patches.back().labels = {7, kBackground};
+  const CutMesh made = cut_mesh(mesh, std::vector<CutPlane>{{Vec3(0, 0, 2.3), Vec3::UnitZ()}});
+  ASSERT_EQ(made.openings.size(), 1u);
+  EXPECT_EQ(made.openings[0].name, "inlet_1");
+  EXPECT_EQ(mesh.info.patches.back().labels, labels);
 }
 
 TEST(MeshCut, PlanesAreInMillimetresAndInTheFrameOfPatients) {
