@@ -174,9 +174,10 @@ void check_crossings(const ClosedSurface& surface, std::span<const Patch> patche
     throw_bad_surface(
         "the cap of an open end crosses another part of the surface at " + coordinates_text(sheets->place) +
         " mm: one part goes on beyond where the other ends; cut both off in one plane, or leave one out");
-  throw_bad_surface("the surface crosses or touches itself: " + counted(crossings.size(), "pair") +
-                    " of triangles, such as at " + coordinates_text(sheets->place) +
-                    " mm; join its parts or repair it first (`lumesh repair`)");
+  throw_bad_surface(
+      "the surface crosses or touches itself: " + counted(crossings.size(), "pair") +
+      " of triangles, such as at " + coordinates_text(sheets->place) +
+      " mm; join its parts, cut ends that are not flat off before, or repair it (`lumesh repair`)");
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 
 #include "check_image.hpp"
 #include "lumesh/core/error.hpp"
-#include "lumesh/domain/patched_surface.hpp"
 #include "lumesh/io/mesh_file.hpp"
 #include "lumesh/io/unit_doubt.hpp"
 #include "lumesh/mesh/validate.hpp"
@@ -31,27 +30,8 @@ void check_unit(const MixedMesh& mesh, std::span<const Opening> openings, CheckR
   if (!doubt.empty()) report.findings.push_back({"unit", Severity::kRemark, 1, doubt, "", {}});
 }
 
-/// What meshing makes of a surface before it begins.
-struct Closed {
-  std::vector<Opening> openings;          ///< Openings at flat ends and at what closes open ones.
-  std::vector<surfaces::ClosedRim> rims;  ///< Closed rims, as what they became.
-  std::string refusal;                    ///< Why it is not meshed; empty if it is.
-};
-
-Closed closed_for_meshing(MixedMesh surface) {
-  try {
-    std::vector<surfaces::ClosedRim> rims = close_open_ends(surface, {}, Context());
-    const PatchedSurface patched(surface_view(surface));
-    name_closed(rims, patched.flat_ends());
-    return {openings_of(patched.flat_ends(), patched.resolution_mm()), std::move(rims), ""};
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kBadInput) throw;
-    return {{}, {}, error.what()};
-  }
-}
-
 /// Rims are openings or holes as they are when meshed, not by what they look like alone.
-void count_rims_as_meshing(const Closed& closed, std::vector<Finding>& findings) {
+void count_rims_as_meshing(const ClosedForMeshing& closed, std::vector<Finding>& findings) {
   const auto count_as = [&](const char* kind, Finding finding, bool is_opening) {
     for (const surfaces::ClosedRim& rim : closed.rims)
       if (rim.is_opening == is_opening && !rim.was_capped) finding.add(rim.given.centre_mm);
@@ -71,7 +51,7 @@ void count_rims_as_meshing(const Closed& closed, std::vector<Finding>& findings)
 }
 
 /// Faults are what meshing refuses: those that it repairs itself, as holes, are remarks.
-void judge_as_meshing(const Closed& closed, CheckReport& report) {
+void judge_as_meshing(const ClosedForMeshing& closed, CheckReport& report) {
   if (closed.refusal.empty()) {
     for (Finding& finding : report.findings) {
       if (finding.severity != Severity::kFault) continue;
@@ -89,7 +69,7 @@ CheckReport check_surface(const MixedMesh& surface, const std::filesystem::path&
       "surface", fmt::format("{} triangles, {} points", surface.triangles.size(), surface.points.size()), {}};
   report.findings =
       naming(path.string(), [&] { return surfaces::findings_of(surface.points, surface.triangles); });
-  const Closed closed = closed_for_meshing(surface);
+  const ClosedForMeshing closed = closed_for_meshing(surface);
   if (closed.refusal.empty()) count_rims_as_meshing(closed, report.findings);
   judge_as_meshing(closed, report);
   check_unit(surface, closed.openings, report);

@@ -244,6 +244,8 @@ RepairOutcome repair_file(const std::string& path, const RepairRequest& request,
     return context.phase("repair", [&] { return repair_surface(surface, request, context); });
   });
   outcome.surface.info.provenance = surface.info.provenance;
+  if (const std::string refusal = closed_for_meshing(outcome.surface).refusal; !refusal.empty())
+    context.warn("the repaired surface is still refused when it is meshed, its open ends closed: " + refusal);
   return outcome;
 }
 

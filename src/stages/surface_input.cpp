@@ -270,6 +270,18 @@ std::vector<ClosedRim> close_open_ends(MixedMesh& surface, const SurfaceInputOpt
   return std::move(made.rims);
 }
 
+ClosedForMeshing closed_for_meshing(MixedMesh surface) {
+  try {
+    std::vector<surfaces::ClosedRim> rims = close_open_ends(surface, {}, Context());
+    const PatchedSurface patched(surface_view(surface));
+    name_closed(rims, patched.flat_ends());
+    return {openings_of(patched.flat_ends(), patched.resolution_mm()), std::move(rims), ""};
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return {{}, {}, error.what()};
+  }
+}
+
 void warn_of_filled_ends(std::span<const ClosedRim> closed, const Context& context) {
   for (const ClosedRim& rim : closed)
     if (may_be_opening(rim))

@@ -8,6 +8,7 @@
 
 #include "lumesh/core/context.hpp"
 #include "lumesh/domain/domain.hpp"
+#include "lumesh/domain/openings.hpp"
 #include "lumesh/mesh/mixed_mesh.hpp"
 #include "lumesh/stages/input.hpp"
 #include "lumesh/surface/reports.hpp"
@@ -23,6 +24,14 @@ namespace lumesh {
 [[nodiscard]] std::vector<surfaces::ClosedRim> close_open_ends(MixedMesh& surface,
                                                                const SurfaceInputOptions& options,
                                                                const Context& context);
+
+/// What meshing makes of a surface before it begins.
+struct ClosedForMeshing {
+  std::vector<Opening> openings;          ///< Openings at flat ends and at what closes open ones.
+  std::vector<surfaces::ClosedRim> rims;  ///< Closed rims, as what they became.
+  std::string refusal;                    ///< Why it is not meshed; empty if it is.
+};
+[[nodiscard]] ClosedForMeshing closed_for_meshing(MixedMesh surface);
 
 /// Gives openings without a name those that the domain of the surface has for their caps. What was filled as
 /// a hole and is a flat end all the same, as that of a tube of six sides, is an opening then.
