@@ -121,12 +121,16 @@ std::size_t volume_count(const fs::path& path, const NiftiHeader& header) {
   return product_of_sizes(path, sizes);
 }
 
-/// Axes of the quaternion (nifti1.h, "METHOD 2"), in RAS.
+/// Axes of the quaternion (nifti1.h, "METHOD 2"), in RAS. Rotations by 180 degrees have a = 0; of numbers in
+/// single precision it comes out up to 3e-4, which its reference implementation takes for 0, too
+/// (nifti_quatern_to_mat44()).
 Mat3 quaternion_axes(const NiftiHeader& header) {
-  const double b = header.qform(0);
-  const double c = header.qform(1);
-  const double d = header.qform(2);
-  const double a = std::sqrt(std::max(0.0, 1 - (b * b + c * c + d * d)));
+  constexpr double kMinSquare = 1e-7;
+  Vec3 bcd(header.qform(0), header.qform(1), header.qform(2));
+  const double square = 1 - bcd.squaredNorm();
+  const double a = square < kMinSquare ? 0 : std::sqrt(square);
+  if (a == 0) bcd.normalize();
+  const double b = bcd[0], c = bcd[1], d = bcd[2];
   Mat3 axes;
   axes << a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c),  //
       2 * (b * c + a * d), a * a + c * c - b * b - d * d, 2 * (c * d - a * b),      //

@@ -148,6 +148,20 @@ TEST_F(ImageFile, TurnsTheNiftiQformIntoLps) {
   EXPECT_NEAR((frame.to_physical({0, 0, 1}) - Vec3(-100, -200, 296)).norm(), 0, 1e-4);
 }
 
+TEST_F(ImageFile, TakesAHalfTurnOfANiftiQformForOne) {
+  NiftiBytes nifti;  // About (1, 1, 0): i runs along +A, j along +R, k along -S.
+  nifti.sform_code = 0;
+  nifti.qform_code = 1;
+  nifti.pixel_size = {1, 1, 1, 1};
+  for (const float half : {0.70710677F, 0.7071068F}) {
+    nifti.qform = {half, half, 0, 0, 0, 0};
+    const Mat3 axes = read("a.nii", nifti.with(bytes_of(sixty_voxels()))).frame().direction;
+    EXPECT_LT((axes.col(0) - Vec3(0, -1, 0)).norm(), 1e-9) << half;
+    EXPECT_LT((axes.col(1) - Vec3(-1, 0, 0)).norm(), 1e-9) << half;
+    EXPECT_LT((axes.col(2) - Vec3(0, 0, -1)).norm(), 1e-9) << half;
+  }
+}
+
 TEST_F(ImageFile, ReadsNiftiInMetresAsMillimetres) {
   NiftiBytes nifti;
   nifti.units = 1;
