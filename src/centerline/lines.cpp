@@ -204,13 +204,27 @@ class LineMaker {
 
   void lead_to_plane(const Opening& opening, const Vec3& along, Tube& tube) const {
     const auto above = [&](const Vec3& p) { return (p - opening.point).dot(opening.normal); };
-    while (tube.size() > 3 && above(tube.centres.back()) > -0.1 * lumen_.voxel_mm())
-      tube.cut(0, tube.size() - 1);
+    const auto is_beyond = [&](const Vec3& p) {
+      return above(p) > -0.1 * lumen_.voxel_mm() || lumen_.beyond_frame_mm(p) > 0;
+    };
+    while (tube.size() > 3 && is_beyond(tube.centres.back())) tube.cut(0, tube.size() - 1);
     constexpr double kMinSlope = 0.2;  // 78 degrees: a line that is less steep says little of the place.
     const Vec3 direction = along.dot(opening.normal) > kMinSlope ? along : opening.normal;
     const double radius = tube.radii.back();
     const Vec3 last = tube.centres.back();
-    tube.append(last - direction * (above(last) / direction.dot(opening.normal)), radius);
+    tube.append(within_frame(last, last - direction * (above(last) / direction.dot(opening.normal))), radius);
+  }
+  /// The end of a way, or where it leaves the image's border by another side before, as at an edge.
+  [[nodiscard]] Vec3 within_frame(const Vec3& start, const Vec3& end) const {
+    constexpr double kRounding = 1e-9;
+    if (lumen_.beyond_frame_mm(end) <= kRounding * lumen_.voxel_mm() || lumen_.beyond_frame_mm(start) > 0)
+      return end;
+    double inside = 0, outside = 1;
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (inside + outside);
+      (lumen_.beyond_frame_mm(start + middle * (end - start)) > 0 ? outside : inside) = middle;
+    }
+    return start + inside * (end - start);
   }
 
   const Lumen& lumen_;

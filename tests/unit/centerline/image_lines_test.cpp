@@ -88,6 +88,22 @@ TEST(Centerline, OfAnObliqueCylinderIsItsAxisToo) {
   }
 }
 
+TEST(Centerline, EndsInTheImageWhereAVesselLeavesItThroughAnEdge) {
+  for (const double tilt : {0.8, 1.1, 1.4})
+    for (double off = -6; off < 7; off += 3) {
+      const ImageFrame frame = fixtures::frame_of({48, 48, 30});
+      const Vec3 start(10.3, 11.2 + off, 14.6), axis = Vec3(1, tilt, 0.4).normalized();
+      const LabelImage image = fixtures::voxels_of(frame, {0, 1}, [&](const Vec3& p) {
+        const double along = std::max(0.0, (p - start).dot(axis));
+        return (p - start - along * axis).norm() < 6.6 ? 1 : 0;
+      });
+      for (const Vec3& p : lines_in(image).points) {
+        EXPECT_LE((p - Vec3(47.5, 47.5, 29.5)).maxCoeff(), 1e-6) << tilt << ' ' << off;
+        EXPECT_GE((p + Vec3::Constant(0.5)).minCoeff(), -1e-6) << tilt << ' ' << off;
+      }
+    }
+}
+
 TEST(Centerline, KeepsToTheSpacingAskedFor) {
   const Polylines lines = lines_in(cylinder_image(), {.spacing_mm = 2});
   ASSERT_EQ(lines.points.size(), 21U);
