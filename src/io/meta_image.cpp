@@ -16,6 +16,7 @@
 #include "file_fault.hpp"
 #include "lumesh/core/parse_number.hpp"
 #include "lumesh/core/trimmed.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 #include "mesh_formats.hpp"
 #include "raw_image.hpp"
 
@@ -139,7 +140,9 @@ ImageHeader place(const fs::path& path, const MetaHeader& header, const FileChoi
   ImageHeader image;
   image.volumes = volume_count(path, header);
   image.unit_is_given = choice.unit_mm.has_value();
-  const double scale = choice.unit_mm.value_or(1);
+  if (const std::string unit = unit_called(header.text({"DistanceUnits"})); unit_in_mm(unit) > 0)
+    image.stated_unit = unit;
+  const double scale = choice.unit_mm.value_or(image.stated_unit.empty() ? 1 : unit_in_mm(image.stated_unit));
   const auto size = header.numbers({"DimSize"}, n);
   const auto spacing = header.numbers({"ElementSpacing", "ElementSize"}, n);
   const auto origin = header.numbers({"Offset", "Position", "Origin"}, n);

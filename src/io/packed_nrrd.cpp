@@ -51,18 +51,22 @@ bool is_free_text(std::string_view line) {
          (colon != std::string_view::npos && line.substr(colon).starts_with(":="));
 }
 
-/// First unit of length in a line such as: units: "" "m" "m" "m", else the first word; empty without any.
+/// The unit of length in a line such as: units: "" "m" "m" "m", else the first word; empty without any. All
+/// of them where they differ, which no length has.
 std::string unit_of(std::string_view line) {
-  std::string first;
+  std::string first, found;
   for (std::size_t begin = line.find('"'); begin != std::string_view::npos;) {
     const std::size_t end = line.find('"', begin + 1);
     if (end == std::string_view::npos) break;
     const std::string unit = unit_called(trimmed(line.substr(begin + 1, end - begin - 1)));
-    if (unit_in_mm(unit) > 0) return unit;
+    if (unit_in_mm(unit) > 0 && found.empty())
+      found = unit;
+    else if (unit_in_mm(unit) > 0 && unit != found)
+      return found + ", " + unit;
     if (first.empty()) first = unit;
     begin = line.find('"', end + 1);
   }
-  return first;
+  return found.empty() ? first : found;
 }
 
 /// The vectors of a line such as: space directions: none (0,1,0) (0,0,-1) (1.5,0,0)

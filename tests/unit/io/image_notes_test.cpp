@@ -153,11 +153,30 @@ TEST_F(ImageNotes, DamagedCompressedVoxelsAreSeen) {
             std::string::npos);
 }
 
+TEST_F(ImageNotes, UnitsOfMetaImagesAreFollowed) {
+  const auto meta = [](const std::string& unit) {
+    return "ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = 3 4 5\nElementSpacing = 1 1 "
+           "2\nOffset = 1 2 3\n" +
+           unit + "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n" + bytes_of(sixty_voxels());
+  };
+  const ImageFrame in_cm = read("cm.mha", meta("DistanceUnits = cm\n")).frame();
+  EXPECT_EQ(in_cm.spacing_mm, Vec3(10, 10, 20));
+  EXPECT_EQ(in_cm.origin_mm, Vec3(10, 20, 30));
+  for (const char* as_mm : {"", "DistanceUnits = mm\n", "DistanceUnits = ?\n"})
+    EXPECT_EQ(read("mm.mha", meta(as_mm)).frame().spacing_mm, Vec3(1, 1, 2)) << as_mm;
+}
+
 TEST_F(ImageNotes, UnitsOfNrrdAreFollowedAndWhatBreaksItsLibraryIsRefused) {
   const std::string voxels = bytes_of(sixty_voxels());
   NrrdText nrrd;
   nrrd.frame += "space units: \"cm\" \"cm\" \"cm\"\n";
   EXPECT_EQ(read("cm.nrrd", nrrd.with(voxels)).frame().spacing_mm, Vec3(10, 10, 10));
+  NrrdText mixed;
+  mixed.frame += "space units: \"mm\" \"mm\" \"cm\"\n";
+  warnings_.clear();
+  EXPECT_EQ(read("mixed.nrrd", mixed.with(voxels)).frame().spacing_mm, Vec3(1, 1, 1));
+  ASSERT_EQ(warnings_.size(), 1U);
+  EXPECT_NE(warnings_[0].find("mm, cm"), std::string::npos) << warnings_[0];
   NrrdText of_axes{.frame = "spacings: 1 1 1\nunits: \"cm\" \"cm\" \"cm\"\n"};
   EXPECT_EQ(read("axes.nrrd", of_axes.with(voxels)).frame().spacing_mm, Vec3(10, 10, 10));
   NrrdText longest;
