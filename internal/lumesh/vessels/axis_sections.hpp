@@ -1,5 +1,5 @@
 #pragma once
-// The direction of a vessel's axis at a place, from sections before and behind it.
+/// @file The direction of a vessel's axis at a place, from sections before and behind it.
 
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// Places on the axes of vessels, where they are cut.
+/// @file Places on the axes of vessels, where they are cut.
 
 #include <cstdint>
 #include <functional>
