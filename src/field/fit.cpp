@@ -39,8 +39,8 @@ constexpr int kStartMeans = 4;      // of the start: a standard deviation of 1.4
 constexpr float kKeptThin = 0.03F;  // … and what thin parts and saddles keep at the end
 constexpr float kKeptSaddle = 0.05F;
 constexpr float kKeptExact = 0.001F;
-constexpr double kMaxDeviation = 0.5;
-constexpr float kMaxPutRight = 0.2F;  // voxels that are wrong by more are noise
+constexpr double kMaxDeviation = 0.5;  // voxels; of values of which nothing is known
+constexpr float kMaxPutRight = 0.2F;   // voxels that are wrong by more are noise
 
 /// Copies the start and makes it NaN outside the band.
 LaneArray start_of(const Band& band) {

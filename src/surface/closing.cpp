@@ -167,8 +167,7 @@ class Closer {
     if (join_ring(rim, around_[which], planes)) return true;
     if (cut_ring(rims, which, is_cut_away)) return true;
     if (is_within_wall_[which] != 0) return false;
-    if (rim.is_almost_planar() && (rim.may_be_end() || is_planar_end(rim)) && move(kGoodAngleDeg))
-      return true;
+    if (rim.is_planar_end() && move(kGoodAngleDeg)) return true;
     if (!rim.is_wide()) return false;
     if (std::optional<CutBack> cut = cut_back(surface_, rims, which)) {
       take(std::move(*cut), rim, is_cut_away);
@@ -266,14 +265,6 @@ class Closer {
       closed_.push_back(std::move(closed));
     }
   }
-  [[nodiscard]] bool ends_wall(const Rim& rim, std::span<const std::uint32_t> wall) const {
-    return cosine_to_wall(surface_, rim, wall) < kAcrossWall &&
-           rim.radius_mm >= kMinEndEdges * rim.mean_edge_mm;
-  }
-  /// However few edges it has: no hole of a wall lies in a plane that the wall leaves at an angle.
-  [[nodiscard]] bool is_planar_end(const Rim& rim) const {
-    return rim.is_planar() && ends_wall(rim, rim_triangles(surface_, {&rim, 1}).front());
-  }
   ClosedRim fill(const Rim& rim) {
     const std::vector<std::uint32_t> wall = rim_triangles(surface_, {&rim, 1}).front();
     return fill(rim, wall);
@@ -282,7 +273,8 @@ class Closer {
   ClosedRim fill(const Rim& rim, std::span<const std::uint32_t> wall) {
     const std::size_t first = surface_.triangles.size();
     ClosedRim closed{false, {}, rim, rim.centre_mm, rim.normal};
-    closed.ends_wall = ends_wall(rim, wall);
+    closed.ends_wall = cosine_to_wall(surface_, rim, wall) < kAcrossWall &&
+                       rim.radius_mm >= Rim::kMinEndEdges * rim.mean_edge_mm;
     closed.patch = commonest_patch(surface_, wall);
     fill_hole(surface_, rim, closed.patch);
     measure_new(surface_, first, closed);

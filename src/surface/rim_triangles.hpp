@@ -29,7 +29,6 @@ inline constexpr double kGoodAngleDeg = 20, kMinAngleDeg = 1;
 /// @param triangles  At the edges of the rim, as rim_triangles() has them.
 [[nodiscard]] double cosine_to_wall(const TriangleMesh& surface, const Rim& rim,
                                     std::span<const std::uint32_t> triangles);
-inline constexpr double kAcrossWall = 0.7;   ///< Below this the rim ends a wall.
-inline constexpr double kMinEndEdges = 0.5;  ///< In radius, of a rim that ends a wall: four around.
+inline constexpr double kAcrossWall = 0.7;  ///< Below this the rim ends a wall.
 
 }  // namespace lumesh::surfaces

@@ -62,8 +62,7 @@ std::vector<std::uint8_t> rims_are_openings(const TriangleMesh& surface, std::sp
     const Rim& rim = rims[r];
     const bool is_too_wide = rim.is_wide() && rim.radius_mm > limit_mm;
     const bool is_end = (rim.is_wide() && rim.deviation_mm < rim.radius_mm) ||  // Torn ends are not flat.
-                        (rim.is_almost_planar() && rim.may_be_end()) ||
-                        (rim.is_planar() && rim.radius_mm >= kMinEndEdges * rim.mean_edge_mm);
+                        rim.is_planar_end();
     result[r] = result[r] == 0 && (is_end || is_too_wide) ? 1 : 0;
   }
   return result;

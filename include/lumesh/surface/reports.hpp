@@ -40,10 +40,14 @@ struct Rim {
     constexpr double kShare = 0.02;  // Of an edge.
     return deviation_mm <= kShare * mean_edge_mm;
   }
-  /// True if all vertices lie in one plane, up to rounding.
-  [[nodiscard]] bool is_planar() const {
-    constexpr double kShare = 1e-4;  // Of an edge.
-    return deviation_mm <= kShare * mean_edge_mm;
+  /// Radius in edges of the coarsest end, four around.
+  static constexpr double kMinEndEdges = 0.5;
+  /// True for the rim of an end by its plane alone, if the wall leaves that at an angle: one that is almost
+  /// planar, or of few edges that lie in one plane up to rounding, as no hole of a wall does.
+  [[nodiscard]] bool is_planar_end() const {
+    constexpr double kRounding = 1e-4;  // Of an edge.
+    return (is_almost_planar() && may_be_end()) ||
+           (deviation_mm <= kRounding * mean_edge_mm && radius_mm >= kMinEndEdges * mean_edge_mm);
   }
   [[nodiscard]] bool is_flat() const { return deviation_mm <= kMaxBent * radius_mm; }
 };
