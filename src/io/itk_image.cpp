@@ -229,12 +229,11 @@ RawImage read_single(const fs::path& path, itk::ImageIOBase& io, const FileChoic
   header.has_spacing = notes.has_spacing;
   warn_of_unknown_words(path, notes, choice, context);
   turn_to_lps(notes, header);
-  const double stated_mm = unit_in_mm(notes.unit);
-  const double unit_mm = choice.unit_mm.value_or(stated_mm > 0 ? stated_mm : 1);
+  const double unit_mm = choice.unit_or_stated_mm(notes.unit);
   header.spacing_mm *= unit_mm;
   header.origin_mm *= unit_mm;
   header.unit_is_given = choice.unit_mm.has_value();
-  if (stated_mm > 0) header.stated_unit = notes.unit;
+  if (unit_in_mm(notes.unit) > 0) header.stated_unit = notes.unit;
   RawImage image;
   image.frame = checked_frame(path, header, context);
   image.type = header.type;

@@ -142,7 +142,7 @@ ImageHeader place(const fs::path& path, const MetaHeader& header, const FileChoi
   image.unit_is_given = choice.unit_mm.has_value();
   if (const std::string unit = unit_called(header.text({"DistanceUnits"})); unit_in_mm(unit) > 0)
     image.stated_unit = unit;
-  const double scale = choice.unit_mm.value_or(image.stated_unit.empty() ? 1 : unit_in_mm(image.stated_unit));
+  const double scale = choice.unit_or_stated_mm(image.stated_unit);
   const auto size = header.numbers({"DimSize"}, n);
   const auto spacing = header.numbers({"ElementSpacing", "ElementSize"}, n);
   const auto origin = header.numbers({"Offset", "Position", "Origin"}, n);

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "file_fault.hpp"
-#include "lumesh/mesh/length_unit.hpp"
 #include "lumesh/parallel/loops.hpp"
 #include "raw_image.hpp"
 #include "unpacked_file.hpp"
@@ -230,7 +229,7 @@ ImageHeader place(const fs::path& path, const NiftiHeader& header, const FileCho
   image.direction.topRows<2>() *= -1;  // RAS to LPS.
   image.origin_mm.head<2>() *= -1;
   image.stated_unit = unit_of(header);
-  const double scale = choice.unit_mm.value_or(image.stated_unit.empty() ? 1 : unit_in_mm(image.stated_unit));
+  const double scale = choice.unit_or_stated_mm(image.stated_unit);
   image.spacing_mm *= scale;
   image.origin_mm *= scale;
   return image;

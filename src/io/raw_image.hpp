@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "lumesh/image/crossings.hpp"
 #include "lumesh/image/label_image.hpp"
 #include "lumesh/io/image_file.hpp"
+#include "lumesh/mesh/length_unit.hpp"
 
 namespace lumesh::io {
 
@@ -62,6 +64,12 @@ inline constexpr std::array<VoxelTypeNames, 10> kVoxelTypes = {
 struct FileChoice {
   std::optional<std::size_t> frame = {};  ///< Of several volumes; none: all.
   std::optional<double> unit_mm = {};     ///< Of the header's lengths, whatever it says itself.
+
+  /// Unit of the header's lengths in mm, by what it states itself; 1 where neither is known.
+  [[nodiscard]] double unit_or_stated_mm(std::string_view stated) const {
+    const double stated_mm = unit_in_mm(stated);
+    return unit_mm.value_or(stated_mm > 0 ? stated_mm : 1);
+  }
 };
 
 inline constexpr std::array<bool, 3> kAllAxes = {true, true, true};
